@@ -20,7 +20,7 @@ from typing import Any
 from setuptools import build_meta
 from setuptools.build_meta import *  # noqa: F403  (the hooks that stay as they are)
 
-from cablemodel import library
+from cablemodel.solvers import library
 
 ROOT = Path(__file__).parent
 _TAGS = {

@@ -21,10 +21,10 @@ import cablemodel as cm
 from benchmarks import direct_steps
 from benchmarks.direct_steps import Table
 from benchmarks.sections import read_rows, table, write_part, write_rows
-from cablemodel.direct import library
-from cablemodel.direct.build import build
-from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.layout import RHS_WORDS
+from cablemodel.solvers.direct import library
+from cablemodel.solvers.direct.build import build
+from cablemodel.solvers.direct.kernels import layout as own
+from cablemodel.solvers.direct.kernels.layout import RHS_WORDS
 from tests.verification import direct_scenes, scenes
 from tests.verification.references import tables
 

@@ -87,7 +87,7 @@ def count(scene: Any, times: list[float], folder: Path) -> int:
         RuntimeError: a step failed, or callgrind said nothing.
     """
     import cablemodel as cm
-    from cablemodel import library
+    from cablemodel.solvers import library
 
     valgrind = shutil.which("valgrind")
     if valgrind is None:

@@ -63,9 +63,9 @@ def kernel_times() -> None:
     import numba
 
     import cablemodel as cm
-    from cablemodel.kernels import newton, system
-    from cablemodel.kernels.compile import OPTIONS, view
-    from cablemodel.kernels.layout import Header
+    from cablemodel.solvers.finite_element.kernels.line import newton, system
+    from cablemodel.solvers.shared.compile import OPTIONS, view
+    from cablemodel.solvers.shared.layout import Header
 
     @numba.jit(**OPTIONS)
     def repeat(ints, reals, kernel, times):  # type: ignore[no-untyped-def]

@@ -17,8 +17,8 @@ from mcap.writer import Writer
 import cablemodel as cm
 from benchmarks.measure import best
 from benchmarks.sections import table, write_part
-from cablemodel.log.writer import LogWriter
-from cablemodel.report.page import save_report
+from cablemodel.results.log.writer import LogWriter
+from cablemodel.views.report.page import save_report
 
 ROOT = Path(__file__).parents[1]
 STEP = 0.05

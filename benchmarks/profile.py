@@ -49,7 +49,7 @@ class Profile:
 def linked(folder: Path) -> Path:
     """The kernels as a shared library with their symbols."""
     import cablemodel_fmu
-    from cablemodel.library import platform_name
+    from cablemodel.solvers.library import platform_name
     from cablemodel_fmu.build import PLATFORMS
     from cablemodel_fmu.intermediate import kernel_module
     from cablemodel_fmu.machine_code import compile_kernels

@@ -227,7 +227,7 @@ def _summed_sea() -> Any:
     """The same with its components summed for every point."""
     from unittest.mock import patch
 
-    with patch("cablemodel.waves.FEWEST", 10**6):
+    with patch("cablemodel.solvers.finite_element.start.waves.FEWEST", 10**6):
         return _model(_at_sea())
 
 
@@ -242,16 +242,16 @@ def _fine_lay() -> Any:
     """The steady lay with room for elements that are never joined."""
     from unittest.mock import patch
 
-    from cablemodel.instance import build
+    from cablemodel.solvers.finite_element.start.from_scene import build
 
-    with patch("cablemodel.finite_element.build", partial(build, room=150.0)):
+    with patch("cablemodel.solvers.finite_element.solver.build", partial(build, room=150.0)):
         return _lay(None)
 
 
 def _forbid_joining(model: Any) -> None:
     """Make every element one of a segment of its own: elements of two are not joined."""
-    from cablemodel.kernels import layout as at
-    from cablemodel.kernels.layout import Header
+    from cablemodel.solvers.shared import layout as at
+    from cablemodel.solvers.shared.layout import Header
 
     nodes = int(model._header.nodes)
     edges = model._solver.memory.array(Header.edges, nodes, at.EDGE_WORDS)

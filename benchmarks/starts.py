@@ -25,7 +25,7 @@ REPEATS = 7
 @contextmanager
 def kernels_timed() -> Iterator[list[float]]:
     """Processor time of the finite elements' entry points, added up in a list of one number [s]."""
-    from cablemodel import library
+    from cablemodel.solvers import library
 
     spent = [0.0]
 

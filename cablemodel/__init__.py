@@ -10,8 +10,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cablemodel.accuracy.converge import converge
     from cablemodel.accuracy.study import convergence
-    from cablemodel.converged_run import converge
+    from cablemodel.analysis.sweep import grid_of, sweep
     from cablemodel.errors import (
         CableModelError,
         ConvergenceError,
@@ -24,9 +25,9 @@ if TYPE_CHECKING:
         UnstableStartWarning,
     )
     from cablemodel.model import CableModel, CableState
-    from cablemodel.parameter_sweep import grid_of, sweep
-    from cablemodel.recorder import Recorder
-    from cablemodel.run import Run, open_run, simulate
+    from cablemodel.results.recorder import Recorder
+    from cablemodel.results.run import Run, open_run
+    from cablemodel.results.simulate import simulate
     from cablemodel.scene import Scene, load_scene
     from cablemodel.systems import SystemModel, SystemScene, VesselInput, load_system
 
@@ -44,15 +45,15 @@ _HOME = {
     "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
     "CableState": "cablemodel.model",
-    "converge": "cablemodel.converged_run",
+    "converge": "cablemodel.accuracy.converge",
     "convergence": "cablemodel.accuracy.study",
-    "grid_of": "cablemodel.parameter_sweep",
-    "sweep": "cablemodel.parameter_sweep",
-    "Recorder": "cablemodel.recorder",
-    "SystemRecorder": "cablemodel.recorder",
-    "Run": "cablemodel.run",
-    "open_run": "cablemodel.run",
-    "simulate": "cablemodel.run",
+    "grid_of": "cablemodel.analysis.sweep",
+    "sweep": "cablemodel.analysis.sweep",
+    "Recorder": "cablemodel.results.recorder",
+    "SystemRecorder": "cablemodel.results.recorder",
+    "Run": "cablemodel.results.run",
+    "open_run": "cablemodel.results.run",
+    "simulate": "cablemodel.results.simulate",
     "Scene": "cablemodel.scene",
     "load_scene": "cablemodel.scene",
     "SystemModel": "cablemodel.systems",

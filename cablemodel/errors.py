@@ -119,8 +119,8 @@ class ConvergenceError(CableModelError):
     """No attempt at a scene is known to keep the accuracy that is asked for.
 
     Attributes: ``accuracy`` that is asked for; ``attempts``, the tolerances that were tried and
-    what became of each; ``run``, the :class:`~cablemodel.run.Run` of the last attempt that came to
-    its end, None if none did.
+    what became of each; ``run``, the :class:`~cablemodel.results.run.Run` of the last attempt that
+    came to its end, None if none did.
     """
 
     def __init__(self, accuracy: float, attempts: Sequence[Attempt], run: Any = None) -> None:

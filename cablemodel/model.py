@@ -15,17 +15,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel.block import Block
 from cablemodel.errors import CableModelError, SceneError, StepError
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars, Summary
-from cablemodel.solver import Errors, choose, images_of
+from cablemodel.solvers.choose import choose
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.protocol import Errors, images_of
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars, Summary
 
 if TYPE_CHECKING:
-    from cablemodel.linear_model import LinearModel
+    from cablemodel.linear.model import LinearModel
+    from cablemodel.linear.step_sensitivity import StepSensitivity
     from cablemodel.scene import Scene
-    from cablemodel.step_sensitivity import StepSensitivity
-    from cablemodel.wall_tension import Surroundings
+    from cablemodel.scene.wall_tension import Surroundings
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -613,7 +614,7 @@ class CableModel:
 
     @cached_property
     def _surroundings(self) -> Surroundings:
-        from cablemodel.wall_tension import Surroundings
+        from cablemodel.scene.wall_tension import Surroundings
 
         return Surroundings.of(self.scene)
 
@@ -627,7 +628,7 @@ class CableModel:
         slides (negative: gives), beside its kinetic energy. In a scene with waves the kinetic
         energy is without added mass, the potential that of the weight in air, and drag_power what
         the water takes by all its forces (negative: gives)."""
-        from cablemodel import library as entry
+        from cablemodel.solvers import library as entry
 
         self._finite_elements("energy")
         out = np.zeros(at.ENERGY_WORDS)
@@ -638,7 +639,7 @@ class CableModel:
         """A linear model about the present state, with named states, inputs and outputs.
 
         Of the finite elements as they are, in space, whether the state is steady or not: see
-        :class:`~cablemodel.linear_model.LinearModel`. Tensions are eliminated through the
+        :class:`~cablemodel.linear.model.LinearModel`. Tensions are eliminated through the
         compliances. Drag on water that does not pass has no linear part.
 
         Raises:
@@ -646,7 +647,7 @@ class CableModel:
                 not linear, by name: contact with the floor, waves, a slack line without bending
                 stiffness, a body that passes the tow point, a line without a force at the top.
         """
-        from cablemodel.linear_line import linear_model
+        from cablemodel.linear.line import linear_model
 
         return linear_model(self)
 
@@ -671,7 +672,7 @@ class CableModel:
                 changes within the step.
             StepError: the step cannot be made.
         """
-        from cablemodel.step_sensitivity import step_sensitivity
+        from cablemodel.linear.step_sensitivity import step_sensitivity
 
         return step_sensitivity(self, dt, vessel_velocity, payout_rate, current, parameters)
 
@@ -684,7 +685,7 @@ class CableModel:
         Raises:
             CableModelError: the solver is not that of the finite elements.
         """
-        from cablemodel.linearisation import small_motions
+        from cablemodel.solvers.finite_element.linearisation import small_motions
 
         return small_motions(self._finite_elements("small_motions"))
 
@@ -694,7 +695,7 @@ class CableModel:
         Fewer where the mesh has no more. Those by which elements stretch and shorten within
         themselves, which are no property of the cable, are left out.
         """
-        from cablemodel.linearisation import natural_frequencies
+        from cablemodel.solvers.finite_element.linearisation import natural_frequencies
 
         return natural_frequencies(self._finite_elements("natural_frequencies"), count)
 

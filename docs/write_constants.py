@@ -21,50 +21,53 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 STORE = ROOT / "docs" / "engine" / "constants.csv"
 HEAD = ("name", "module", "value", "unit", "effect", "source", "date", "command")
-PLACES = (
-    "kernels", "instance", "direct", "mesh.py", "sea_floor.py", "waves.py", "laid_shape.py",
-    "laid_loads.py", "free_hanging.py", "stability.py", "error_estimate.py", "converged_run.py",
-)  # fmt: skip
+PLACES = ("solvers", "accuracy/converge.py")
 """Folders and modules of cablemodel whose numbers steer the engine."""
 NO_STEERING = {
     "layout.py": "numbers of words",
     "compile.py": "options of the compiler",
+    "library.py": "when to say that the solver is compiled",
 }
 """Modules that are left out whatever they hold."""
 WORDS = {
-    "kernels/airy.py": (
+    "solvers/finite_element/kernels/water/airy.py": (
         "PER_TURN TURN TURN_REST ROUND HALVED MIDDLE S1 S2 S3 S4 S5 C1 C2 C3 C4 C5 C6 "
         "E0 E1 E2 E3 E4 E5 E6 E7 E8 E9"
     ),
-    "kernels/element_planar.py": (
+    "solvers/finite_element/kernels/element/element_planar.py": (
         "R CX CZ G TX TZ FX FZ PX PZ QX QZ TT TN NT NN JACOBIAN ROWS ROWS_00 ROWS_01 "
         "SUM_D SUM_H SUM_HD"
     ),
-    "kernels/element_spatial.py": (
+    "solvers/finite_element/kernels/element/element_spatial.py": (
         "AX CX CY CZ G TX TY TZ FX FY FZ PX PY PZ QX QY QZ ROWS ROWS_00 ROWS_01 ROWS_12 "
         "ROWS_21 ROWS_22 SUM_D SUM_H SUM_HD"
     ),
-    "kernels/part_outputs.py": "WRENCH",
-    "kernels/payout.py": "VELOCITY ACCELERATION",
-    "kernels/raos.py": "UP YAW",
-    "kernels/sea_cells.py": "OVER",
-    "kernels/esdirk.py": "LANDED",
-    "kernels/time_stepping.py": "MADE TOO_LONG TOUCHES STIRS BREAKS",
-    "kernels/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
-    "kernels/tension.py": (
+    "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
+    "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
+    "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",
+    "solvers/finite_element/kernels/water/sea_cells.py": "OVER",
+    "solvers/finite_element/kernels/time/esdirk.py": "LANDED",
+    "solvers/finite_element/kernels/time/time_stepping.py": "MADE TOO_LONG TOUCHES STIRS BREAKS",
+    "solvers/finite_element/kernels/element/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
+    "solvers/finite_element/kernels/time/tension.py": (
         "PASSES_OVER FOLLOWS SOLVED MISSES SOLVED_Q SOLVED_V SOLVED_A SOLVED_T SOLVED_RATE "
         "CURVED STRAINED SOFTNESS"
     ),
-    "kernels/top_of_line.py": "LEAVES RETURNS DIVIDES UNITES COMES FOLLOWS STOPS ENTERS",
-    "kernels/waves.py": "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE",
-    "kernels/wetting.py": "OUTER NOWHERE",
-    "direct/block.py": "_GAUSS_WORDS",
-    "direct/kernels/assembly.py": (
+    "solvers/finite_element/linearisation.py": "SHARES_PLACE TIED",
+    "solvers/finite_element/kernels/mesh/top_of_line.py": (
+        "LEAVES RETURNS DIVIDES UNITES COMES FOLLOWS STOPS ENTERS"
+    ),
+    "solvers/finite_element/kernels/water/waves.py": (
+        "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE"
+    ),
+    "solvers/finite_element/kernels/water/wetting.py": "OUTER NOWHERE",
+    "solvers/direct/block.py": "_GAUSS_WORDS",
+    "solvers/direct/kernels/assembly.py": (
         "_FULL _FLEXIBLE _PLANAR _VELOCITIES _FORCES _ANGLES _CURVATURES"
     ),
-    "direct/kernels/elimination.py": "COLUMNS",
-    "direct/kernels/superposition.py": "COLUMNS HALF",
-    "error_estimate.py": "_TENSION _LENGTH",
+    "solvers/direct/kernels/elimination.py": "COLUMNS",
+    "solvers/direct/kernels/superposition.py": "COLUMNS HALF",
+    "solvers/estimating.py": "_TENSION _LENGTH",
 }
 """Places in memory, masks, cases, and coefficients of series: they steer nothing."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import cablemodel as cm
-from cablemodel.plot import STYLE
+from cablemodel.views.plot import STYLE
 
 SCENE = Path(__file__).parents[1] / "scenes" / "touchdown.yaml"
 SHAPES = np.arange(30.0, 126.0, 6.0)

@@ -22,7 +22,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 import cablemodel as cm
-from cablemodel.library import platform_name
+from cablemodel.solvers.library import platform_name
 from cablemodel_fmu.export import export_fmu
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
@@ -137,11 +138,9 @@ def block_kernels(size: int) -> tuple[Any, Any]:
 
 
 def install() -> None:
-    """Put these in the place of cablemodel.kernels.compile and .products."""
-    import cablemodel.kernels
-
-    compiling = ModuleType("cablemodel.kernels.compile")
-    products = ModuleType("cablemodel.kernels.products")
+    """Put these in the place of the modules that compile, and of products."""
+    compiling = ModuleType("cablemodel.solvers.shared.compile")
+    products = ModuleType("cablemodel.solvers.finite_element.kernels.line.products")
     for function in (
         entry_point,
         view,
@@ -161,8 +160,9 @@ def install() -> None:
     for name in ("INTEGERS", "REALS"):
         setattr(compiling, name, name)
     for module in (compiling, products):
+        package, _, name = module.__name__.rpartition(".")
         sys.modules[module.__name__] = module
-        vars(cablemodel.kernels)[module.__name__.rpartition(".")[2]] = module
+        vars(import_module(package))[name] = module
 
 
 install()

@@ -2,7 +2,7 @@
 
 The search compares a run with one at a quarter of its tolerance, and both may share an error: time
 steps that the positions allow are far too long for the tension of a stiff line, which is solved
-for instead (``kernels/tension.py``). Here each scene that starts at rest is run again at
+for instead (``kernels/time/tension.py``). Here each scene that starts at rest is run again at
 tau/4 with 1/256 of the error that a time step may have, in steps that resolve what the line does
 along itself, and the top tensions of both are compared until the line is slack, or rings along
 itself after a jump of the winch's rate (``draw.shock_time``), which long steps damp.

@@ -32,10 +32,10 @@ import numpy as np
 
 from benchmarks.random_scenes.draw import Drawn
 from benchmarks.random_scenes.trace import FloatArray, Trace, ending, perturbed, run
-from cablemodel.error_estimate import PLACES
+from cablemodel.solvers.estimating import PLACES
 
 if TYPE_CHECKING:
-    from cablemodel.run import Progress
+    from cablemodel.results.simulate import Progress
 
 RUN_LIMIT = 30.0
 """CPU seconds that a run may take; more is ``too slow`` [s]."""

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.compare import Difference
-from cablemodel.promise import largest_tension, looseness, taut_until
+from cablemodel.results.compare import Difference
+from cablemodel.results.promise import largest_tension, looseness, taut_until
 
 if TYPE_CHECKING:
-    from cablemodel.run import Run
+    from cablemodel.results.run import Run
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from cablemodel.accuracy.apart import Apart
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
-from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, SceneError
-from cablemodel.run import Progress, Run, end_of, simulate
-from cablemodel.solver import FINER
+from cablemodel.results.run import Run
+from cablemodel.results.simulate import Progress, end_of, simulate
+from cablemodel.solvers.estimating import PLACES
+from cablemodel.solvers.protocol import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from cablemodel.accuracy.apart import Apart, Settled
-from cablemodel.promise import tensions_promised
+from cablemodel.results.promise import tensions_promised
 
 if TYPE_CHECKING:
-    from cablemodel.compare import Difference
+    from cablemodel.results.compare import Difference
     from cablemodel.scene import Scene
     from cablemodel.scene.schema import Solver
 

@@ -18,8 +18,8 @@ from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import JsonOption, seconds_of
 
 if TYPE_CHECKING:
-    from cablemodel.analysis import Cycles, Floats, Statistic
-    from cablemodel.run import Run
+    from cablemodel.analysis.statistics import Cycles, Floats, Statistic
+    from cablemodel.results.run import Run
 
 _WIDEST = 200
 """Columns that the table of statistics may take."""
@@ -55,7 +55,7 @@ def stats(
 ) -> None:
     """Extremes of all outputs; spectrum, cycles and fatigue of the top tension, or of each line's
     tension at its beginning."""
-    from cablemodel.run import open_run
+    from cablemodel.results.run import open_run
 
     for name, value in (("--slope", slope), ("--reference", reference), ("--intercept", intercept)):
         if value is not None and not (math.isfinite(value) and value > 0.0):
@@ -90,9 +90,9 @@ def export(
     ] = None,
 ) -> None:
     """Write a run to NetCDF, CSV or Parquet."""
-    from cablemodel.export import FORMATS
-    from cablemodel.export import export as written
-    from cablemodel.run import open_run
+    from cablemodel.results.export import FORMATS
+    from cablemodel.results.export import export as written
+    from cablemodel.results.run import open_run
 
     writable(output, FORMATS)
     if table is not None and table not in _TABLES:
@@ -109,11 +109,11 @@ def export(
 def _report(
     run: Run, begin: float, end: float, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
-    from cablemodel import analysis
-    from cablemodel.drawing import start_tensions
+    from cablemodel.analysis import statistics
+    from cablemodel.views.drawing import start_tensions
 
     try:
-        found = analysis.statistics(run, after=begin, before=end)
+        found = statistics.statistics(run, after=begin, before=end)
     except ValueError as error:
         typer.echo(f"cablemodel: {error}", err=True)
         raise typer.Exit(FAILED) from None
@@ -133,14 +133,14 @@ def _motion(
     time: Floats, tension: Floats, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
     """Spectrum, cycles and fatigue of the tension at the beginning of a line."""
-    from cablemodel import analysis
+    from cablemodel.analysis import statistics
 
-    counted = analysis.cycles(tension)
+    counted = statistics.cycles(tension)
     span = float(time[-1] - time[0])
     found: dict[str, Any] = {"spectrum": None}
     found["fatigue"] = _fatigue(counted, span, slope, intercept, reference)
     if len(time) >= 32:
-        density = analysis.spectrum(time, tension)
+        density = statistics.spectrum(time, tension)
         found["spectrum"] = {
             "significant": density.significant,
             "peak_period": density.peak_period,
@@ -152,20 +152,20 @@ def _motion(
 def _fatigue(
     counted: Cycles, span: float, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
-    from cablemodel import analysis
+    from cablemodel.analysis import statistics
 
     found = {
         "cycles": float(counted.count.sum()),
         "largest_range": float(counted.range[0]) if len(counted.range) else 0.0,
         "slope": slope,
         # Of one cycle a second, as is usual.
-        "equivalent_range_1_hz": analysis.equivalent_range(counted, slope, span) if span else 0.0,
+        "equivalent_range_1_hz": statistics.equivalent_range(counted, slope, span) if span else 0.0,
     }
     if intercept is not None:
-        curve = analysis.FatigueCurve(intercept, slope, reference)
-        damage = analysis.damage(counted, curve)
+        curve = statistics.FatigueCurve(intercept, slope, reference)
+        damage = statistics.damage(counted, curve)
         found["damage"] = damage
-        found["life_years"] = span / damage / analysis.YEAR if damage else math.inf
+        found["life_years"] = span / damage / statistics.YEAR if damage else math.inf
     return found
 
 

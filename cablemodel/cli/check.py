@@ -21,7 +21,7 @@ from cablemodel.cli.plausibility import (
     system_warnings,
 )
 from cablemodel.cli.run import JsonOption, SceneArgument, SetOption, explained_start, fixed
-from cablemodel.solver import FINER
+from cablemodel.solvers.protocol import FINER
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -41,7 +41,7 @@ def check(
     """Say what a scene holds, what will be skipped, its first tensions, and what looks wrong."""
     from cablemodel.errors import StaticsError
     from cablemodel.model import CableModel
-    from cablemodel.run import end_of
+    from cablemodel.results.simulate import end_of
     from cablemodel.scene import load_scene
     from cablemodel.scene.load import is_system, read_content
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from cablemodel.accuracy.verdict import Convergence, Row
-    from cablemodel.run import Progress
+    from cablemodel.results.simulate import Progress
 
 _KEY = (
     "CPU: of the steps, for a simulated second. off: the largest difference from the reference "
@@ -79,7 +79,7 @@ def convergence(
     else:
         _print_report(found, loaded.title or "Scene")
     if plot is not None:
-        from cablemodel.accuracy.plot import save_convergence_figure
+        from cablemodel.views.accuracy_plot import save_convergence_figure
 
         with writing(plot, "--plot"):
             save_convergence_figure(found, plot)

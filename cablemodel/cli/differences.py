@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from cablemodel.compare import Comparison, Difference
+    from cablemodel.results.compare import Comparison, Difference
 
 
 @reported
@@ -37,8 +37,8 @@ def diff(
     as_json: JsonOption = False,
 ) -> None:
     """Compare two runs; status 0 if they agree within the tolerance, else 1."""
-    from cablemodel.compare import compare
-    from cablemodel.run import open_run
+    from cablemodel.results.compare import compare
+    from cablemodel.results.run import open_run
 
     check_tolerance(tolerance)
     one, other = open_run(first), open_run(second)

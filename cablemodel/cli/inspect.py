@@ -15,7 +15,7 @@ from cablemodel.cli.files import PICTURES, writable, writing
 from cablemodel.cli.run import JsonOption
 
 if TYPE_CHECKING:
-    from cablemodel.run import Run
+    from cablemodel.results.run import Run
 
 RunArgument = Annotated[Path, typer.Argument(help="Log of a run (MCAP).", show_default=False)]
 
@@ -49,7 +49,7 @@ def plot(
     ] = None,
 ) -> None:
     """Draw the shape of the cable and its tension, as for a paper."""
-    from cablemodel.plot import save_figure
+    from cablemodel.views.plot import save_figure
 
     target = writable(output or run.with_suffix(".png"), PICTURES)
     opened = opened_with_states(run)
@@ -65,7 +65,7 @@ def info(
     as_json: JsonOption = False,
 ) -> None:
     """Say what a log holds, where it comes from, and whether it is complete."""
-    from cablemodel.log.reader import LogFile
+    from cablemodel.results.log.reader import LogFile
 
     log = LogFile(run)
     report = {
@@ -113,7 +113,7 @@ def _print_info(report: dict[str, Any]) -> None:
 
 def opened_with_states(path: Path) -> Run:
     """A run that has something to draw; one that has not is bad input."""
-    from cablemodel.run import open_run
+    from cablemodel.results.run import open_run
 
     opened = open_run(path)
     if not any(len(states) for states in opened.shapes.values()):

@@ -12,7 +12,7 @@ import typer
 from cablemodel.cli.errors import bad_option, reported
 from cablemodel.cli.files import new_file, writing
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
+TEMPLATES = Path(__file__).parent / "templates"
 """Complete scenes; the first line of each says what it is."""
 
 

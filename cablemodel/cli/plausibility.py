@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.sea_floor import bristle_length
+from cablemodel.solvers.finite_element.start.sea_floor import bristle_length
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -54,7 +54,7 @@ _EMPTY = 1e-6
 
 def scene_warnings(scene: Scene) -> list[str]:
     """What is seen without a start."""
-    from cablemodel.instance.scales import is_flexible
+    from cablemodel.solvers.finite_element.start.scales import is_flexible
 
     found = list(scene.notes)
     settings = scene.run
@@ -184,8 +184,8 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
 
 def _slack_without_bending(scene: Scene) -> list[str]:
     """Slack that is laid of cable without bending stiffness, which gets too much of it there."""
-    from cablemodel.instance.scales import is_flexible
-    from cablemodel.sea_floor import least_bending
+    from cablemodel.solvers.finite_element.start.scales import is_flexible
+    from cablemodel.solvers.finite_element.start.sea_floor import least_bending
 
     floor = scene.environment.floor
     rates = scene.payout.rate

@@ -14,7 +14,7 @@ from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.run import JsonOption, explained_start
 
 if TYPE_CHECKING:
-    from cablemodel.replay import Replay
+    from cablemodel.results.replay import Replay
 
 
 @reported
@@ -33,8 +33,8 @@ def replay(
     as_json: JsonOption = False,
 ) -> None:
     """Run a log again from its scene and inputs, and compare; status 0 if it agrees, else 1."""
-    from cablemodel.replay import replay as replayed
-    from cablemodel.run import open_run
+    from cablemodel.results.replay import replay as replayed
+    from cablemodel.results.run import open_run
 
     if tolerance is not None:
         check_tolerance(tolerance)

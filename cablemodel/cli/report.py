@@ -29,7 +29,7 @@ def report(
     ] = None,
 ) -> None:
     """Write a run as one web page: moving shape, tension, curvature, inputs, extremes, scene."""
-    from cablemodel.report import save_report
+    from cablemodel.views.report import save_report
 
     target = writable(output or run.with_suffix(".html"), (".html", ".htm"))
     opened = opened_with_states(run)
@@ -42,7 +42,7 @@ def report(
 @reported
 def show(run: RunArgument) -> None:
     """Make a run's report and show it in the browser."""
-    from cablemodel.report import save_report
+    from cablemodel.views.report import save_report
 
     opened = opened_with_states(run)
     target = run.with_suffix(".html")
@@ -80,7 +80,7 @@ def animate(
     fps: Annotated[int, typer.Option(min=1, max=60, help="Pictures per second.")] = 20,
 ) -> None:
     """Write a run as a film of the moving cable and its top tension."""
-    from cablemodel.animate import LONGEST, save_animation
+    from cablemodel.views.animate import LONGEST, save_animation
 
     target = writable(output or run.with_suffix(".mp4"), (".mp4", ".gif"))
     if seconds is not None and not 0.0 < seconds <= LONGEST:

@@ -19,7 +19,8 @@ from cablemodel.cli.files import writable
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from cablemodel.run import Progress, Run
+    from cablemodel.results.run import Run
+    from cablemodel.results.simulate import Progress
 
 SceneArgument = Annotated[Path, typer.Argument(help="Scene file (YAML).", show_default=False)]
 SetOption = Annotated[
@@ -88,9 +89,9 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Simulate a scene to its end."""
-    from cablemodel.converged_run import converge as run_until_converged
+    from cablemodel.accuracy.converge import converge as run_until_converged
     from cablemodel.errors import ConvergenceError
-    from cablemodel.run import simulate
+    from cablemodel.results.simulate import simulate
     from cablemodel.systems import read_scene
 
     if log is not None:
@@ -182,8 +183,8 @@ def explained_start(quiet: bool, console: Console | None = None) -> Iterator[Cal
     Gives a function to call when the start is over (the end of the block is, at the latest).
     """
 
-    from cablemodel.instance import search
-    from cablemodel.library import compiling_told, library_path
+    from cablemodel.solvers.finite_element.start import search
+    from cablemodel.solvers.library import compiling_told, library_path
 
     def say(text: str) -> None:
         if quiet:

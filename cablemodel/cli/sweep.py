@@ -90,8 +90,8 @@ def sweep(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.")] = False,
 ) -> None:
     """Run a scene for every combination of some of its values, in parallel, into one table."""
-    from cablemodel.parameter_sweep import Axis, read_table, results_of, write_table
-    from cablemodel.parameter_sweep import sweep as run_all
+    from cablemodel.analysis.sweep import Axis, read_table, results_of, write_table
+    from cablemodel.analysis.sweep import sweep as run_all
     from cablemodel.systems import read_scene
 
     target = writable(output or Path(f"{scene.stem}_sweep.csv"), FORMATS)
@@ -134,7 +134,7 @@ def sweep(
     if (table["error"] != "").all():
         raise typer.Exit(FAILED)
     if plot is not None:
-        from cablemodel.sweep_plot import save_sweep_figure
+        from cablemodel.views.sweep_plot import save_sweep_figure
 
         chosen = None if against is None else columns[against]
         with writing(plot, "--plot"):

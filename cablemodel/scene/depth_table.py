@@ -14,7 +14,7 @@ class DepthSurface:
     """A bicubic C1 surface through heights on a grid, which overshoots nowhere along its lines.
 
     The slopes are those of PCHIP, first along x, then those of heights and slopes along y. Beyond
-    the edges it goes on level. The same surface as that of kernels/floor.py.
+    the edges it goes on level. The same surface as that of kernels/floor/floor_forces.py.
 
     Args:
         x, y: ascending coordinates (nx,), (ny,) [m]; one y: a profile, the same for all y.

@@ -1,7 +1,7 @@
 """A scene's sea as components: their frequencies, numbers and phases; the motion of the water.
 
-Airy waves over a constant depth. The kernels (kernels/waves.py) sum the same components; their
-motion in NumPy serves plots and tests.
+Airy waves over a constant depth. The kernels (kernels/water/waves.py) sum the same components;
+their motion in NumPy serves plots and tests.
 """
 
 from __future__ import annotations

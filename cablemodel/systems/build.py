@@ -10,14 +10,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import sea_floor
 from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
-from cablemodel.instance import easier_ways, search
-from cablemodel.instance.first_state import count_from_zero
-from cablemodel.instance.refinement import ROUNDS
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.sea import sea
+from cablemodel.solvers.finite_element.start import easier_ways, sea_floor, search
+from cablemodel.solvers.finite_element.start.first_state import count_from_zero
+from cablemodel.solvers.finite_element.start.refinement import ROUNDS
+from cablemodel.solvers.finite_element.start.waves import refine_line
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems.built import Built
 from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
 from cablemodel.systems.guess import Guess, first_guess, ways_aside
@@ -41,7 +41,6 @@ from cablemodel.systems.tables import (
     rest_feet,
 )
 from cablemodel.systems.tree import tree_of
-from cablemodel.waves import refine_line
 
 FloatArray = NDArray[np.float64]
 
@@ -181,7 +180,7 @@ def _solved(
     velocity: FloatArray,
 ) -> Built:
     """A block on given nodes, at rest; from another one on coarser nodes where there is one."""
-    from cablemodel import library as entry
+    from cablemodel.solvers import library as entry
 
     tree = tree_of(scene, nodes)
     built = allocated(scene, tree)
@@ -210,7 +209,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
     Raises:
         StaticsError: none was found.
     """
-    from cablemodel import library as entry
+    from cablemodel.solvers import library as entry
 
     block = built.block
     ints, reals = block.ints, block.reals
@@ -268,7 +267,7 @@ def without_shape(scene: SystemScene) -> str:
 
 def _refine_at_floor(scene: SystemScene, built: Built, velocity: FloatArray) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape."""
-    from cablemodel import library as entry
+    from cablemodel.solvers import library as entry
 
     block = built.block
     for _turn in range(ROUNDS):

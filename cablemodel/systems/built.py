@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.block import Block
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Line, Winch
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Line, Winch
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 

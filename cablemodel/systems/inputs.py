@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cablemodel import variables
 from cablemodel.errors import StepError
-from cablemodel.kernels import layout as at
+from cablemodel.solvers.shared import layout as at
 from cablemodel.systems.scene import SystemScene
 
 FloatArray = NDArray[np.float64]

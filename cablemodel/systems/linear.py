@@ -14,12 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import library as entry
-from cablemodel.block import Block
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
-from cablemodel.kernels.record import Record
-from cablemodel.linear_equations import (
+from cablemodel.linear.equations import (
     RATE_STEP,
     SIZE,
     Equations,
@@ -27,11 +22,16 @@ from cablemodel.linear_equations import (
     refuse,
     winch_of,
 )
-from cablemodel.linear_parts import Drives, Outputs, Response, Turning, Winding, of_axes
+from cablemodel.linear.parts import Drives, Outputs, Response, Turning, Winding, of_axes
+from cablemodel.solvers import library as entry
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.record import Record
 from cablemodel.systems.linear_outputs import TURN_STEP, SystemOutputs, law_of
 
 if TYPE_CHECKING:
-    from cablemodel.linear_model import LinearModel
+    from cablemodel.linear.model import LinearModel
     from cablemodel.systems.model import SystemModel
 
 FloatArray = NDArray[np.float64]
@@ -394,7 +394,7 @@ def _rows(block: Block, kind: type[Row], first: int, count: int) -> list[Row]:
 def _turned_with(place: FloatArray, motion: at.BodyMotion) -> tuple[FloatArray, ...]:
     """How velocity and acceleration of a body's place follow its rotation vector, and the latter
     its rate, (3, 3) each, where that vector is zero: Omega = (1 - [theta]/2) d(theta)/dt there, and
-    its rate has a part of the second order as well (kernels/rotation.py)."""
+    its rate has a part of the second order as well (kernels/bodies/rotation.py)."""
     turn = np.array(motion.turn).reshape(3, 3)
     spin, faster = np.array(motion.spin), np.array(motion.spin_rate)
     moved = np.cross(spin, place)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import library as entry
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
-from cablemodel.linear_equations import SIZE, winch_of
-from cablemodel.linear_parts import Drives, Outputs, Response, Winding, of_axes
+from cablemodel.linear.equations import SIZE, winch_of
+from cablemodel.linear.parts import Drives, Outputs, Response, Winding, of_axes
+from cablemodel.solvers import library as entry
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.systems.linear import SystemEquations
@@ -132,7 +132,8 @@ class SystemOutputs:
             self.found.add(of_axes(f"{name}.{key}"), row, value)
 
     def _add_wrench(self, n: int, name: str) -> None:
-        """Force and moment of the lines on a vessel, as kernels/part_outputs.py adds them up."""
+        """Force and moment of the lines on a vessel, as kernels/outputs/part_outputs.py adds them
+        up."""
         response = self._response
         columns = response.place.shape[1]
         rows, values = np.zeros((2, 3, columns)), np.zeros((2, 3))

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
-from cablemodel.instance.scales import is_flexible
-from cablemodel.mesh import Span, Start, line_nodes
 from cablemodel.scene.line import Cable
+from cablemodel.solvers.finite_element.mesh import Span, Start, line_nodes
+from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.systems.guess import standing
 from cablemodel.systems.scene import LineEnd, SystemLine, SystemScene
 

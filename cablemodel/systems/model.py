@@ -21,21 +21,21 @@ from cablemodel.errors import (
     StepError,
     UnstableStartWarning,
 )
-from cablemodel.finite_element import MEANING
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Winch
 from cablemodel.model import NO_INPUTS, WINCH_LIMITS, CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
-from cablemodel.solver import Errors, images_of
+from cablemodel.scene.wall_tension import Surroundings
+from cablemodel.solvers.finite_element.solver import MEANING
+from cablemodel.solvers.protocol import Errors, images_of
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Winch
 from cablemodel.systems.build import build
 from cablemodel.systems.inputs import InputNames, SystemInputs
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import warn_if_unstable
-from cablemodel.wall_tension import Surroundings
 
 if TYPE_CHECKING:
-    from cablemodel.linear_model import LinearModel
+    from cablemodel.linear.model import LinearModel
 
 FloatArray = NDArray[np.float64]
 
@@ -151,7 +151,7 @@ class LineView:
     @property
     def tension_range(self) -> tuple[float, float]:
         """Lowest and highest tension anywhere in it [N]."""
-        from cablemodel import library as entry
+        from cablemodel.solvers import library as entry
 
         nodes = self._model.built.elements(self.name).node.astype(np.float64)
         ranges = np.zeros(2 * len(nodes))
@@ -229,7 +229,7 @@ class SystemModel:
         if not self.time < end < math.inf or end - self.time > at.LONGEST_STEP:
             advice = f"give a positive step of at most {at.LONGEST_STEP:g} s"
             raise StepError(f"dt is {end - self.time!r}", time=self.time, advice=advice)
-        from cablemodel import library as entry
+        from cablemodel.solvers import library as entry
 
         if "cuts" in inputs:
             inputs["cuts"] = list(inputs["cuts"] or ())  # whatever it is, it is asked for twice
@@ -304,7 +304,7 @@ class SystemModel:
         return dict(zip(self._inputs.foils, self._angles.tolist(), strict=True))
 
     def _parts(self) -> tuple[FloatArray, FloatArray]:
-        from cablemodel import library as entry
+        from cablemodel.solvers import library as entry
 
         block = self.built.block
         bodies = np.zeros((len(self.scene.bodies), at.PART_WORDS))
@@ -363,7 +363,7 @@ class SystemModel:
         return self._errors
 
     def _estimates(self) -> Iterator[tuple[str, Errors]]:
-        from cablemodel.error_estimate import FACTOR, PLACES, estimated
+        from cablemodel.solvers.estimating import FACTOR, PLACES, estimated
 
         other = self._beside
         for name, line in self.lines.items():
@@ -409,14 +409,14 @@ class SystemModel:
         Over the free unknowns of all lines and bodies, as `CableModel.small_motions`; bodies turn
         by rotation vectors [rad], and what closes a cycle is taken into account.
         """
-        from cablemodel.linearisation import small_motions
+        from cablemodel.solvers.finite_element.linearisation import small_motions
 
         return small_motions(self.built.block)
 
     def natural_frequencies(self, count: int = 5) -> FloatArray:
         """The lowest natural frequencies about the present state [rad/s], (count,); see
         `CableModel.natural_frequencies`. A body that turns freely has a frequency of 0."""
-        from cablemodel.linearisation import natural_frequencies
+        from cablemodel.solvers.finite_element.linearisation import natural_frequencies
 
         return natural_frequencies(self.built.block, count)
 
@@ -495,7 +495,7 @@ class SystemModel:
 
     def sample_elements(self, elements: FloatArray, fractions: FloatArray) -> FloatArray:
         """Rows of STATION_WORDS at fractions of elements, by the numbers of their nodes."""
-        from cablemodel import library as entry
+        from cablemodel.solvers import library as entry
 
         out = np.zeros((len(elements), at.STATION_WORDS))
         block = self.built.block
@@ -552,7 +552,7 @@ class SystemModel:
 
 def _finer_model(scene: SystemScene) -> SystemModel | None:
     """The system at a quarter of its tolerance, to estimate errors by; None: it has no start."""
-    from cablemodel.error_estimate import finer, step_in_halves
+    from cablemodel.solvers.estimating import finer, step_in_halves
 
     with suppress(StaticsError), warnings.catch_warnings():
         warnings.simplefilter("ignore", UnstableStartWarning)  # which the run itself gives

@@ -1,4 +1,4 @@
-"""How vessels move and turn: pieces of motion for the frames of kernels/frames.py."""
+"""How vessels move and turn: pieces of motion for the frames of kernels/bodies/frames.py."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.kernels import layout as at
 from cablemodel.scene.motion import DEGREE, POLYNOMIAL
+from cablemodel.solvers.shared import layout as at
 
 if TYPE_CHECKING:
     from cablemodel.systems.scene import VesselFrame

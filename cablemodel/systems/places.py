@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.instance.refinement import BENT, LARGEST_STATIC_MESH
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.finite_element.start.refinement import BENT, LARGEST_STATIC_MESH
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built, Shape
 from cablemodel.systems.guess import Guess, axes_of
 from cablemodel.systems.lines import cable_of
@@ -86,7 +86,7 @@ def divided(nodes: FloatArray, parts: int) -> FloatArray:
 def refined(
     scene: SystemScene, nodes: dict[str, list[FloatArray]], built: Built
 ) -> dict[str, list[FloatArray]] | None:
-    """Nodes with those elements halved that bend too much (instance/refinement.py); None: none."""
+    """Nodes with those elements halved that bend too much (start/refinement.py); None: none."""
     found, tree = built.elements(), built.tree
     q = built.block.array(Header.position, built.nodes, 6)
     parents = built.block.integers(Header.parent, built.nodes)

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import UnstableStartWarning
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
-from cablemodel.linearisation import Matrix, free_motions, matrices
-from cablemodel.stability import SLOWEST, slowest_growth
+from cablemodel.solvers.finite_element.linearisation import Matrix, free_motions, matrices
+from cablemodel.solvers.finite_element.stability import SLOWEST, slowest_growth
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built
 
 FloatArray = NDArray[np.float64]

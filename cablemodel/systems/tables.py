@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel import waves
-from cablemodel.block import Block
-from cablemodel.instance.line_tables import edge_row, fill_body, note_choices
-from cablemodel.instance.refinement import SPARE
-from cablemodel.instance.scales import is_flexible
-from cablemodel.instance.tables import fill_current, fill_jumps, fill_settings
-from cablemodel.instance.winch import SHORTEST_LINE, SPARE_NODES
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
 from cablemodel.scene.environment import Floor
 from cablemodel.scene.sea import Sea, sea
-from cablemodel.sea_floor import table_words
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.start import waves
+from cablemodel.solvers.finite_element.start.line_tables import edge_row, fill_body, note_choices
+from cablemodel.solvers.finite_element.start.refinement import SPARE
+from cablemodel.solvers.finite_element.start.scales import is_flexible
+from cablemodel.solvers.finite_element.start.sea_floor import table_words
+from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
+from cablemodel.solvers.finite_element.start.winch import SHORTEST_LINE, SPARE_NODES
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
@@ -87,8 +87,8 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
 
 
 def fill_settings_of(scene: SystemScene, built: Built) -> None:
-    """Tolerances, water, current, and what `kernels/scales.py` wants to know."""
-    from cablemodel import library as entry
+    """Tolerances, water, current, and what `kernels/element/scales.py` wants to know."""
+    from cablemodel.solvers import library as entry
 
     block = built.block
     ints, reals = block.ints, block.reals

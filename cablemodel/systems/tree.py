@@ -1,9 +1,9 @@
 """The parts of a system as a tree of nodes: lines from where they are held, bodies between them.
 
-Elimination runs from the leaves to the roots (kernels/block_solver.py). A line's end that is held
-is a root or a leaf, so that lines between vessels and anchors close no cycle. A body takes its
+Elimination runs from the leaves to the roots (kernels/line/block_solver.py). A line's end that is
+held is a root or a leaf, so that lines between vessels and anchors close no cycle. A body takes its
 place where the first line comes to it; all others begin at it. Where a line comes to what is in the
-tree before, a closure ties both (kernels/closures.py).
+tree before, a closure ties both (kernels/line/closures.py).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.instance.line import hinged
-from cablemodel.kernels import layout as at
 from cablemodel.scene.line import Body, Cable
+from cablemodel.solvers.finite_element.start.line import hinged
+from cablemodel.solvers.shared import layout as at
 from cablemodel.systems.lines import bends_at
 from cablemodel.systems.scene import LineEnd, SystemScene
 

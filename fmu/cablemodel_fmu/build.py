@@ -2,8 +2,8 @@
 
 The kernels' LLVM module becomes object code for each platform (llvmlite), and is linked with the
 FMI functions in c/ by the Zig tool chain, which cross-compiles from any machine. What is built is
-what cablemodel/library.py loads and what an exported FMU holds. The outcome depends on the sources
-and on the versions of the tools alone; a library that is up to date is not built again.
+what cablemodel/solvers/library.py loads and what an exported FMU holds. The outcome depends on the
+sources and on the versions of the tools alone; a library that is up to date is not built again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cablemodel.library import ABOUT, BINARIES, kernel_hash, platform_name
+from cablemodel.solvers.library import ABOUT, BINARIES, kernel_hash, platform_name
 from cablemodel_fmu.c_layout import header
 from cablemodel_fmu.intermediate import PARTS, kernel_module
 from cablemodel_fmu.machine_code import Machine, compile_kernels

@@ -1,8 +1,8 @@
 """The blocks' layouts as a C header, written from the Python that defines them.
 
-The FMU recomputes every offset of a block from its sizes by the same rule as cablemodel/block.py
-and cablemodel/direct/block.py, and refuses a model file where one differs. What is the direct
-solver's own begins with DIRECT.
+The FMU recomputes every offset of a block from its sizes by the same rule as
+cablemodel/solvers/finite_element/block.py and cablemodel/solvers/direct/block.py, and refuses a
+model file where one differs. What is the direct solver's own begins with DIRECT.
 """
 
 from __future__ import annotations
@@ -11,12 +11,14 @@ import json
 from types import ModuleType
 from typing import Any
 
-from cablemodel import block, error_estimate
-from cablemodel.direct import block as direct_block
-from cablemodel.direct.failures import MEANING
-from cablemodel.direct.kernels import layout as direct_layout
-from cablemodel.kernels import layout, tables
-from cablemodel.kernels.record import Record, c_struct, records
+from cablemodel.solvers import estimating as error_estimate
+from cablemodel.solvers.direct import block as direct_block
+from cablemodel.solvers.direct.failures import MEANING
+from cablemodel.solvers.direct.kernels import layout as direct_layout
+from cablemodel.solvers.finite_element import block
+from cablemodel.solvers.finite_element.kernels.element import tables
+from cablemodel.solvers.shared import layout
+from cablemodel.solvers.shared.record import Record, c_struct, records
 
 ACCESS = (
     "/* The word of a record at which a field starts. */",
@@ -39,7 +41,7 @@ ACCESS = (
     "    return (OwnScalars *)(M + OWN_WORDS + sizeof(OwnHeader) / 8);",
     "}",
 )
-"""The block's records in C: a view each, as in kernels/access.py."""
+"""The block's records in C: a view each, as in shared/access.py."""
 
 
 class Symbol:
@@ -66,10 +68,10 @@ def _text(value: object) -> str:
 
 
 def start_constants() -> dict[str, float]:
-    """Numbers by which instance/ derives a block from the lengths of its cables, and by which what
+    """Numbers by which start/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
-    from cablemodel.instance import easier_ways, line_tables, refinement, winch
-    from cablemodel.kernels import interface
+    from cablemodel.solvers.finite_element.kernels.outputs import interface
+    from cablemodel.solvers.finite_element.start import easier_ways, line_tables, refinement, winch
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 

@@ -15,14 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.block import Block
-from cablemodel.direct.block import DirectBlock
-from cablemodel.error_estimate import finer, step_in_halves
 from cablemodel.errors import CableModelError, StaticsError
-from cablemodel.instance import build as build_block
-from cablemodel.instance import facts_of, local, tension_scale
-from cablemodel.library import BINARIES, description, kernel_hash
 from cablemodel.scene import Scene
+from cablemodel.solvers.direct.block import DirectBlock
+from cablemodel.solvers.estimating import finer, step_in_halves
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.start.frame import local
+from cablemodel.solvers.finite_element.start.from_scene import build as build_block
+from cablemodel.solvers.finite_element.start.scales import tension_scale
+from cablemodel.solvers.finite_element.start.tables import facts_of
+from cablemodel.solvers.library import BINARIES, description, kernel_hash
 from cablemodel.systems.lines import steady_velocity
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import SystemScene
@@ -371,7 +373,7 @@ def _beside_system(start: SystemModel, model: ModelFile, by: int) -> bytes:
 def block_of(scene: Scene) -> Block | DirectBlock:
     """The scene's block at its initial state, of the solver that it asks for."""
     if scene.solver.method == "direct_integration":
-        from cablemodel.direct.build import build as build_direct_block
+        from cablemodel.solvers.direct.build import build as build_direct_block
 
         return build_direct_block(scene)
     return build_block(scene, room=ROOM)

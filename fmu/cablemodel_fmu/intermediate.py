@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cablemodel.library import PREFIX
+from cablemodel.solvers.library import PREFIX
 
 PARTS = ("finite_element", "direct")
 """Solvers, each with an LLVM module of its own: an edit of one does not compile the other anew."""
@@ -46,7 +46,7 @@ def native_module(dispatchers: dict[str, Any]) -> tuple[str, dict[str, list[str]
     """
     import llvmlite.binding as llvm
 
-    from cablemodel.kernels.compile import kernel, modules_of
+    from cablemodel.solvers.shared.compile import kernel, modules_of
 
     wrappers = []
     arguments = {}
@@ -151,9 +151,9 @@ def kernel_module(
 
 def _cache(part: str) -> Path:
     if part == "direct":
-        from cablemodel.direct.kernels.compile import own_cache_folder as cache_folder
+        from cablemodel.solvers.direct.kernels.compile import own_cache_folder as cache_folder
     else:
-        from cablemodel.kernels.compile import cache_folder
+        from cablemodel.solvers.shared.compile import cache_folder
 
     tool = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     return cache_folder() / f"ahead-{tool}"
@@ -162,18 +162,18 @@ def _cache(part: str) -> Path:
 def entry_points(part: str) -> dict[str, Any]:
     """A solver's entry points by their names in the library, without PREFIX."""
     if part == "direct":
-        from cablemodel.direct.kernels import entry as direct_entry
-        from cablemodel.direct.library import PREFIX as OF_DIRECT
+        from cablemodel.solvers.direct.kernels import entry as direct_entry
+        from cablemodel.solvers.direct.library import PREFIX as OF_DIRECT
 
         return {OF_DIRECT + name: kernel for name, kernel in direct_entry.ENTRY_POINTS.items()}
-    from cablemodel.kernels.entry import ENTRY_POINTS
+    from cablemodel.solvers.finite_element.kernels.entry import ENTRY_POINTS
 
     return dict(ENTRY_POINTS)
 
 
 def main(part: str, folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
-    from cablemodel.kernels.compile import calls_resolved_once
+    from cablemodel.solvers.shared.compile import calls_resolved_once
 
     with calls_resolved_once():
         assembly, arguments = native_module(entry_points(part))

@@ -6,13 +6,14 @@ makes the code of several machines at once.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cablemodel.library import PREFIX
+from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
     "body_clamps", "buckling", "clamp_layer", "closures", "consistency", "cuts", "feet",
@@ -22,6 +23,8 @@ RARE_KERNELS = (
     "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
+_MODULE = re.compile(r"7kernels\d+[a-z]+")
+"""In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
 RARE_ENTRIES = (
     "bodies",
     "drive",
@@ -95,7 +98,10 @@ def _is_rare(name: str) -> bool:
     """Whether a function of a module is built for size; its name is as numba mangles it."""
     if name.startswith(PREFIX):
         return name.removeprefix(PREFIX) in RARE_ENTRIES
-    return any(f"7kernels{len(kernels)}{kernels}" in name for kernels in RARE_KERNELS)
+    found = _MODULE.search(name)
+    return found is not None and any(
+        name.startswith(f"{len(kernels)}{kernels}", found.end()) for kernels in RARE_KERNELS
+    )
 
 
 if __name__ == "__main__":

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.library import kernel_hash
-from cablemodel.solver import Memory
+from cablemodel.solvers.library import kernel_hash
+from cablemodel.solvers.protocol import Memory
 from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
@@ -43,7 +43,7 @@ class ModelFile:
     frame: NDArray[np.float64]
     """Velocity of the static equilibrium in the block's coordinates (2 or 3 words) [m/s]."""
     facts: NDArray[np.float64]
-    """Of the line as a whole (FACT_WORDS); see instance/tables.py."""
+    """Of the line as a whole (FACT_WORDS); see start/tables.py."""
     coefficients: list[Coefficient]
     scene_inputs: bool
     """What use_scene_inputs begins as."""

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.kernels import layout as at
+from cablemodel.solvers.shared import layout as at
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import standing
 from cablemodel.systems.motion import first_angles, turning

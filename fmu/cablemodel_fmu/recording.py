@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cablemodel.errors import CableModelError
-from cablemodel.kernels import layout as at
 from cablemodel.model import CableModel
-from cablemodel.recorder import recorder_of
-from cablemodel.solver import Memory
+from cablemodel.results.recorder import recorder_of
+from cablemodel.solvers.protocol import Memory
+from cablemodel.solvers.shared import layout as at
 from cablemodel.systems import SystemModel, VesselInput
 from cablemodel.systems.inputs import motion_given
 from cablemodel.systems.model import read_scene

@@ -7,19 +7,19 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from cablemodel.direct.block import DirectBlock
-from cablemodel.direct.kernels import layout as direct
-from cablemodel.instance import tension_per_length
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
 from cablemodel.scene.schema import longest_stretch
+from cablemodel.solvers.direct.block import DirectBlock
+from cablemodel.solvers.direct.kernels import layout as direct
+from cablemodel.solvers.finite_element.start.scales import tension_per_length
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parameter
 
 if TYPE_CHECKING:
-    from cablemodel.block import Block
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Body
+    from cablemodel.solvers.finite_element.block import Block
     from cablemodel.systems.scene import SystemScene
 
     AnyBlock = Block | DirectBlock
@@ -34,7 +34,7 @@ VR_SUMMARY = 1000
 VR_STATION = 10000
 VR_BODY = 20000000
 
-# First word of a quantity: of the Summary of kernels/layout.py, or of a row of the stations.
+# First word of a quantity: of the Summary of shared/layout.py, or of a row of the stations.
 _SUMMARY = {name: field.word for name, field in at.Summary.FIELDS.items()} | {
     "top_force": at.Summary.wrench.word,
     "top_moment": at.Summary.wrench.word + 3,
@@ -393,7 +393,8 @@ class Coefficients:
 def lengths(scene: Scene, first: int) -> list[Coefficient]:
     """Lengths of the cables of line and drum; first: how many parameters come before them.
 
-    The rows of the cable table begin at the line's far end; see cablemodel/instance/winch.py.
+    The rows of the cable table begin at the line's far end; see
+    cablemodel/solvers/finite_element/start/winch.py.
     """
     found: list[Coefficient] = []
     drum = [item.cable for item in scene.payout.drum if item.cable is not None]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel.log.messages import quaternion_of
+from cablemodel.results.log.messages import quaternion_of
 
 Floats = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
-from cablemodel.log.messages import quaternion_of
+from cablemodel.results.log.messages import quaternion_of
 from cablemodel_ros.diagnostics import Status
 from cablemodel_ros.interface import Quality
 from cablemodel_ros.rig import Frame

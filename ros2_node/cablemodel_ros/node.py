@@ -28,7 +28,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from cablemodel.errors import CableModelError
-from cablemodel.library import compiling_told
+from cablemodel.solvers.library import compiling_told
 from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status

@@ -24,7 +24,7 @@ from cablemodel_ros.times import Stamp
 
 if TYPE_CHECKING:
     from cablemodel import Scene, SystemScene
-    from cablemodel.log.writer import LogWriter
+    from cablemodel.results.log.writer import LogWriter
 
 SNAPSHOT_ATTACHMENT = "snapshot.bin"
 """State that a file begins at (`CableModel.snapshot`); missing where that is the initial one."""
@@ -232,7 +232,7 @@ class Recorder:
             self._folder.forget(writer.path)
 
     def _open(self, begin: _Begin) -> None:
-        from cablemodel.log.writer import LogWriter
+        from cablemodel.results.log.writer import LogWriter
 
         path = self._folder.new()
         self._flushed = False

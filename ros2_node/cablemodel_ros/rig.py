@@ -18,7 +18,7 @@ from typing import Any, Protocol
 
 from cablemodel import variables
 from cablemodel.scene.schema import Solver
-from cablemodel.solver import Errors
+from cablemodel.solvers.protocol import Errors
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
 from cablemodel_ros.frames import Floats

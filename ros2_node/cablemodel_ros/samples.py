@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cablemodel import variables
-from cablemodel.log.messages import Messages, typestore
-from cablemodel.log.writer import encode_outputs
-from cablemodel.states import applied_values
+from cablemodel.results.log.messages import Messages, typestore
+from cablemodel.results.log.writer import encode_outputs
+from cablemodel.results.states import applied_values
 from cablemodel_ros.frames import Floats, cross
 from cablemodel_ros.helm import Applied
 from cablemodel_ros.settings import Settings

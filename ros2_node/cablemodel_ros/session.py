@@ -17,7 +17,7 @@ import numpy as np
 
 from cablemodel import Scene, StepError, SystemScene, variables
 from cablemodel.errors import SceneError
-from cablemodel.states import shapes_of
+from cablemodel.results.states import shapes_of
 from cablemodel.systems import read_scene
 from cablemodel_ros.checkpoints import Checkpoints
 from cablemodel_ros.recording import Recorder

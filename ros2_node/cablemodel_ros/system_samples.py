@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cablemodel import variables
-from cablemodel.log.messages import Messages
-from cablemodel.log.parts import encode_parts
+from cablemodel.results.log.messages import Messages
+from cablemodel.results.log.parts import encode_parts
 from cablemodel_ros.samples import Message, topics
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.times import Stamp

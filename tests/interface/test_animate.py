@@ -11,9 +11,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
-from cablemodel.animate import _Film
 from cablemodel.cli import app
-from cablemodel.plot import FLOOR_COLOUR
+from cablemodel.views.animate import _Film
+from cablemodel.views.plot import FLOOR_COLOUR
 
 pytest.importorskip("matplotlib")
 
@@ -100,7 +100,7 @@ def test_without_ffmpeg_the_error_says_what_to_do(
 def test_without_matplotlib_the_error_names_the_extra() -> None:
     code = (
         "import sys; sys.modules['matplotlib'] = None\n"
-        "from cablemodel.animate import CableModelError, save_animation\n"
+        "from cablemodel.views.animate import CableModelError, save_animation\n"
         "try:\n    save_animation(None, 'film.gif')\n"
         "except CableModelError as error:\n    print(error)"
     )

@@ -17,10 +17,10 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
-from cablemodel import library
 from cablemodel.cli import app
 from cablemodel.cli.plausibility import scene_warnings, system_warnings
 from cablemodel.cli.run import explained_start
+from cablemodel.solvers import library
 from cablemodel.systems import load_system
 
 ROOT = Path(__file__).parents[2]
@@ -321,18 +321,18 @@ def test_a_table_and_pictures_that_cannot_be_written_are_said(
         return table
 
     table, picture = tmp_path / "t.csv", tmp_path / "p.png"
-    monkeypatch.setattr("cablemodel.parameter_sweep.sweep", swept)
-    monkeypatch.setattr("cablemodel.sweep_plot.save_sweep_figure", full)
+    monkeypatch.setattr("cablemodel.analysis.sweep.sweep", swept)
+    monkeypatch.setattr("cablemodel.views.sweep_plot.save_sweep_figure", full)
     arguments = ["sweep", SCENE, "--over", "line.0.cable.length=20,30", "-o", table]
     result = invoke(*arguments, "--plot", picture)
     assert result.exit_code == 2
     assert "--plot" in said(result)
     assert "p.png cannot be written: No space left on device" in said(result)
-    monkeypatch.setattr("cablemodel.parameter_sweep.write_table", full)
+    monkeypatch.setattr("cablemodel.analysis.sweep.write_table", full)
     result = invoke(*arguments)
     assert result.exit_code == 2
     assert "t.csv cannot be written: No space left on device" in said(result)
-    monkeypatch.setattr("cablemodel.accuracy.plot.save_convergence_figure", full)
+    monkeypatch.setattr("cablemodel.views.accuracy_plot.save_convergence_figure", full)
     options = ["--until", "0.5", "--tolerances", "1e-2", "--set", "solver.tolerance=0.01"]
     result = invoke("convergence", SCENE, *options, "--plot", picture)
     assert result.exit_code == 2
@@ -712,7 +712,7 @@ def test_the_example_refuses_a_run_that_is_not_steady(log: Path) -> None:
 def test_a_long_start_says_why(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cablemodel.library.library_path", lambda: Path("library"))
+    monkeypatch.setattr("cablemodel.solvers.library.library_path", lambda: Path("library"))
     monkeypatch.setattr("cablemodel.cli.run._LONG_START", 0.01)
 
     class BeganError(Exception):
@@ -722,7 +722,7 @@ def test_a_long_start_says_why(
         time.sleep(0.3)
         raise BeganError
 
-    monkeypatch.setattr("cablemodel.library.equilibrium", begin)
+    monkeypatch.setattr("cablemodel.solvers.library.equilibrium", begin)
     scene = cm.load_scene(SCENE)
     with pytest.raises(BeganError), explained_start(quiet=True):
         cm.CableModel(scene)
@@ -735,7 +735,7 @@ def test_a_long_start_says_why(
 def test_compiling_is_told_on_standard_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cablemodel.library.LONG", 0.01)
+    monkeypatch.setattr("cablemodel.solvers.library.LONG", 0.01)
     for quiet in (True, False):
         (kernel,) = library.telling({"step": SlowKernel()}).values()
         with explained_start(quiet=quiet):
@@ -754,7 +754,7 @@ class SlowKernel:
 def test_a_wait_for_tables_is_not_blamed_on_the_start(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cablemodel.library.library_path", lambda: Path("library"))
+    monkeypatch.setattr("cablemodel.solvers.library.library_path", lambda: Path("library"))
     monkeypatch.setattr("cablemodel.cli.run._LONG_START", 0.01)
     with explained_start(quiet=False):
         time.sleep(0.3)
@@ -781,7 +781,7 @@ def test_a_wait_after_the_start_is_not_blamed_on_it(
             self.runs = False
 
     clocks: list[Clock] = []
-    monkeypatch.setattr("cablemodel.library.library_path", lambda: Path("library"))
+    monkeypatch.setattr("cablemodel.solvers.library.library_path", lambda: Path("library"))
     monkeypatch.setattr("cablemodel.cli.run.threading.Timer", Clock)
     at_work = []
     sought = library.equilibrium
@@ -790,7 +790,7 @@ def test_a_wait_after_the_start_is_not_blamed_on_it(
         at_work.append([clock.runs for clock in clocks])
         return sought(*given)
 
-    monkeypatch.setattr("cablemodel.library.equilibrium", seek)
+    monkeypatch.setattr("cablemodel.solvers.library.equilibrium", seek)
     path = ROOT / "scenes" / "systems" / "cage_on_its_winch.yaml"
     with explained_start(quiet=False) as started:
         for times in (1, 2):  # one more run, as of an estimate of errors, has a start of its own

@@ -11,9 +11,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel.analysis.sweep import simulate_point
 from cablemodel.cli import app
-from cablemodel.parameter_sweep import simulate_point
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TOW, WHIP = SCENES / "towed_cable.yaml", SCENES / "whip.yaml"

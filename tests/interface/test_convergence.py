@@ -11,9 +11,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
-from cablemodel import error_estimate
 from cablemodel.accuracy.study import runs_of
 from cablemodel.cli import app
+from cablemodel.solvers import estimating as error_estimate
 from tests.verification.scenes import pendulum
 
 ROOT = Path(__file__).parents[2]

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.compare import Comparison, compare
+from cablemodel.results.compare import Comparison, compare
 from cablemodel.scene import Scene, load_scene
 
 

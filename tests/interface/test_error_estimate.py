@@ -16,11 +16,11 @@ from typer.testing import CliRunner, Result
 import cablemodel as cm
 from cablemodel.cli import app
 from cablemodel.cli.run import _error_rows
-from cablemodel.compare import compare
-from cablemodel.finite_element import FiniteElementSolver
-from cablemodel.kernels import layout as at
-from cablemodel.promise import EstimatedError
-from cablemodel.replay import replay
+from cablemodel.results.compare import compare
+from cablemodel.results.promise import EstimatedError
+from cablemodel.results.replay import replay
+from cablemodel.solvers.finite_element.solver import FiniteElementSolver
+from cablemodel.solvers.shared import layout as at
 from tests.verification.scenes import pendulum
 
 SCENES = Path(__file__).parents[2] / "scenes"

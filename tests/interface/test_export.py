@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.analysis import statistics
+from cablemodel.analysis.statistics import statistics
 from cablemodel.cli import app
-from cablemodel.columns import input_columns, output_columns, state_columns
-from cablemodel.export import export
+from cablemodel.results.columns import input_columns, output_columns, state_columns
+from cablemodel.results.export import export
 from cablemodel.scene import Scene, load_scene
 
 

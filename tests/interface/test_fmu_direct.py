@@ -20,10 +20,10 @@ from fmu_tools import (
 from test_fmu_platforms import DT, STEPS, WINE, drive
 
 import cablemodel as cm
-from cablemodel.direct.block import SIZES, DirectBlock
-from cablemodel.direct.kernels import layout as own
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.direct.block import SIZES, DirectBlock
+from cablemodel.solvers.direct.kernels import layout as own
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel_fmu.export import export_fmu
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -23,8 +23,8 @@ from fmu_tools import (
 )
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel_fmu.model_file import HEADER_WORDS
 
 SCENES = Path(__file__).parents[2] / "scenes"

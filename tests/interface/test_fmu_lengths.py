@@ -9,9 +9,9 @@ from fmpy.fmi1 import FMICallException
 from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
 
 import cablemodel as cm
-from cablemodel.block import SIZES, Block
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.solvers.finite_element.block import SIZES, Block
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel_fmu.export import block_of
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -7,7 +7,7 @@ import pytest
 from fmpy import simulate_fmu
 
 import cablemodel as cm
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 from cablemodel_fmu.export import export_fmu
 from cablemodel_fmu.recording import FmuLog
 

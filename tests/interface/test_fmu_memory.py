@@ -19,11 +19,11 @@ from fmpy.fmi1 import FMICallException
 from fmu_tools import CABLE, Slave, assert_same_bits, driven_elsewhere, unpacked
 
 import cablemodel as cm
-from cablemodel.block import SIZES, Block
-from cablemodel.direct.kernels import layout as direct
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
+from cablemodel.solvers.direct.kernels import layout as direct
+from cablemodel.solvers.finite_element.block import SIZES, Block
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems import SystemModel
 from cablemodel_fmu.export import export_fmu
 from cablemodel_fmu.model_file import ModelFile

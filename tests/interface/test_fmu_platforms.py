@@ -20,7 +20,7 @@ import pytest
 from fmpy import extract, read_model_description
 
 import cablemodel as cm
-from cablemodel.library import BINARIES, kernel_hash
+from cablemodel.solvers.library import BINARIES, kernel_hash
 from cablemodel_fmu.build import SOURCES, build, compile_c
 from cablemodel_fmu.export import export_fmu
 

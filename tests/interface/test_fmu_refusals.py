@@ -10,8 +10,8 @@ from fmpy.fmi2 import fmi2Discard, fmi2Error
 from fmu_tools import CABLE, Slave, image_start, sealed, still_scene, unpacked
 
 import cablemodel as cm
-from cablemodel.block import SIZES, Block
-from cablemodel.kernels.layout import Header, Summary
+from cablemodel.solvers.finite_element.block import SIZES, Block
+from cablemodel.solvers.shared.layout import Header, Summary
 from cablemodel_fmu.export import ExportError, export_fmu
 
 NAN = float("nan")

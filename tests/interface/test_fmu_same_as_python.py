@@ -7,7 +7,7 @@ import pytest
 from fmu_tools import Slave, assert_same_bits, step_alike, still_scene, unpacked
 
 import cablemodel as cm
-from cablemodel import library
+from cablemodel.solvers import library
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 7

@@ -13,7 +13,7 @@ from fmpy.fmi1 import FMICallException
 from fmu_tools import Slave, unpacked
 
 import cablemodel as cm
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 from cablemodel_fmu.export import ExportError, export_fmu
 from cablemodel_fmu.recording import FmuLog
 

@@ -18,8 +18,8 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli.app import app
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems import SystemModel
 from cablemodel.variables import outputs_of
 from cablemodel_fmu.export import ExportError, contents_of, export_fmu

@@ -13,8 +13,8 @@ from shutil import copy, which
 
 import pytest
 
-from cablemodel import library
 from cablemodel.cli.new import TEMPLATES
+from cablemodel.solvers import library
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
@@ -67,7 +67,7 @@ def test_the_wheel_brings_the_library_and_is_named_for_what_it_holds(wheel: Path
         for parts in (Path(name).parts for name in names)
         if parts[:2] == ("cablemodel", "binaries")
     }
-    assert {f"cablemodel/templates/{path.name}" for path in TEMPLATES.iterdir()} <= set(names)
+    assert {f"cablemodel/cli/templates/{path.name}" for path in TEMPLATES.iterdir()} <= set(names)
     assert library.platform_name() in held
     assert wheel.stem.endswith("-any") == (len(held) == 4)
 

@@ -24,8 +24,8 @@ from rosbags.typesys import Stores, get_typestore
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.log import writer as writer_module
-from cablemodel.log.writer import LogWriter
+from cablemodel.results.log import writer as writer_module
+from cablemodel.results.log.writer import LogWriter
 from cablemodel.scene import Scene, load_scene
 
 EPOCH = 1_700_000_000_000_000_000
@@ -303,7 +303,7 @@ def test_a_killed_process_leaves_what_was_flushed(tmp_path: Path) -> None:
         import os, signal, sys
         sys.path.insert(0, {os.fspath(Path(__file__).parent)!r})
         from conftest import SIMPLE, SwingingCable
-        from cablemodel.log.writer import LogWriter
+        from cablemodel.results.log.writer import LogWriter
         from cablemodel.scene import load_scene
         scene = load_scene(SIMPLE)
         model = SwingingCable(scene)

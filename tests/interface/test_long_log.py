@@ -9,9 +9,9 @@ import pytest
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.cadence import Cadence
-from cablemodel.log.reader import LogFile
-from cablemodel.log.writer import LogWriter
+from cablemodel.results.cadence import Cadence
+from cablemodel.results.log.reader import LogFile
+from cablemodel.results.log.writer import LogWriter
 from cablemodel.scene import Scene
 
 OUTPUTS = 72_001

@@ -14,7 +14,7 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.model import Snapshot
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")

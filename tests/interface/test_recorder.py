@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 
 needs_locks = pytest.mark.skipif(
     importlib.util.find_spec("fcntl") is None, reason="the platform has no locks of this kind"

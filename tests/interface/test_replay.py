@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.log.writer import LogWriter
-from cablemodel.replay import Replay, changes, replay
+from cablemodel.results.log.writer import LogWriter
+from cablemodel.results.replay import Replay, changes, replay
 from cablemodel.scene import Scene
 
 ROOT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.report.tables import number
+from cablemodel.views.report.tables import number
 
 pytest.importorskip("plotly")
 
@@ -192,7 +192,7 @@ def test_a_cut_run_says_so(towed: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_of_one_instant_has_a_report(tmp_path: Path, simple_scene: Any) -> None:
-    from cablemodel.log.writer import LogWriter
+    from cablemodel.results.log.writer import LogWriter
 
     log = tmp_path / "start.mcap"
     model = cm.CableModel(simple_scene)
@@ -214,7 +214,7 @@ def test_a_wrong_output_is_bad_input(towed: Path, output: str, words: str) -> No
 def test_without_plotly_the_error_names_the_extra() -> None:
     code = (
         "import sys; sys.modules['plotly'] = sys.modules['plotly.offline'] = None\n"
-        "import cablemodel.report as report\n"
+        "import cablemodel.views.report as report\n"
         "from cablemodel import CableModelError\n"
         "try:\n    report.report_html(None)\n"
         "except CableModelError as error:\n    print(error)"

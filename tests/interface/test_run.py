@@ -11,11 +11,12 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.cadence import output_times
-from cablemodel.log.reader import LogFile
-from cablemodel.log.writer import LogWriter
-from cablemodel.replay import replay
-from cablemodel.run import Progress, Run
+from cablemodel.results.cadence import output_times
+from cablemodel.results.log.reader import LogFile
+from cablemodel.results.log.writer import LogWriter
+from cablemodel.results.replay import replay
+from cablemodel.results.run import Run
+from cablemodel.results.simulate import Progress
 from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
@@ -369,11 +370,11 @@ def test_a_log_by_another_schema_version_is_a_clear_error(
     simple_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "run.mcap"
-    monkeypatch.setattr("cablemodel.log.writer.SCHEMA_VERSION", "99")
+    monkeypatch.setattr("cablemodel.results.log.writer.SCHEMA_VERSION", "99")
     LogWriter(path, simple_scene).close()
     with pytest.raises(cm.LogError, match=r"schema version 99 .*install a newer cablemodel"):
         cm.open_run(path)
-    monkeypatch.setattr("cablemodel.log.writer.SCHEMA_VERSION", "0")
+    monkeypatch.setattr("cablemodel.results.log.writer.SCHEMA_VERSION", "0")
     LogWriter(path, simple_scene).close()
     with pytest.raises(cm.LogError, match=r"schema version 0 .*read it with cablemodel \d"):
         cm.open_run(path)

@@ -17,8 +17,7 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
-from cablemodel.cli import app
-from cablemodel.parameter_sweep import (
+from cablemodel.analysis.sweep import (
     RESULTS,
     Axis,
     _collect,
@@ -26,7 +25,8 @@ from cablemodel.parameter_sweep import (
     swept_columns,
     write_table,
 )
-from cablemodel.sweep_plot import save_sweep_figure
+from cablemodel.cli import app
+from cablemodel.views.sweep_plot import save_sweep_figure
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"

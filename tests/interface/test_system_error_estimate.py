@@ -13,15 +13,15 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
+from cablemodel.analysis.sweep import simulate_point
 from cablemodel.cli import app
-from cablemodel.compare import compare
-from cablemodel.error_estimate import PLACES
 from cablemodel.errors import CableModelError, UnstableStartWarning
-from cablemodel.parameter_sweep import simulate_point
-from cablemodel.promise import ErrorEstimate
-from cablemodel.recorder import SystemRecorder
-from cablemodel.replay import replay
-from cablemodel.run import SystemRun
+from cablemodel.results.compare import compare
+from cablemodel.results.promise import ErrorEstimate
+from cablemodel.results.recorder import SystemRecorder
+from cablemodel.results.replay import replay
+from cablemodel.results.run import SystemRun
+from cablemodel.solvers.estimating import PLACES
 
 SYSTEMS = Path(__file__).parents[2] / "scenes" / "systems"
 DEPRESSOR, WEAK_LINK = SYSTEMS / "depressor.yaml", SYSTEMS / "weak_link.yaml"

@@ -15,11 +15,11 @@ from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.columns import input_columns, output_columns, state_columns
-from cablemodel.drawing import Shapes, axes_of, bodies_of, held_of, parts_of
-from cablemodel.recorder import recorder_of
-from cablemodel.run import SystemRun
+from cablemodel.results.columns import input_columns, output_columns, state_columns
+from cablemodel.results.recorder import recorder_of
+from cablemodel.results.run import SystemRun
 from cablemodel.systems import SystemModel, load_system
+from cablemodel.views.drawing import Shapes, axes_of, bodies_of, held_of, parts_of
 
 SCENE = Path(__file__).with_name("bridle.yaml")
 LINES = ["port", "starboard", "streamer"]
@@ -100,7 +100,7 @@ def test_lines_stand_side_by_side_with_gaps(run: SystemRun) -> None:
 
 
 def test_a_figure_shows_every_line_body_and_vessel(run: SystemRun) -> None:
-    from cablemodel.plot import draw
+    from cablemodel.views.plot import draw
 
     figure = draw(run)
     side, plan, start, *alongs = figure.axes
@@ -135,7 +135,7 @@ def test_the_commands_draw_and_film_a_system(log: Path, tmp_path: Path) -> None:
 
 
 def test_a_film_moves_lines_bodies_and_names(run: SystemRun) -> None:
-    from cablemodel.animate import _Film
+    from cablemodel.views.animate import _Film
 
     film = _Film(run)
     film.picture(float(run.time[-1]))
@@ -195,7 +195,7 @@ def test_the_shape_of_the_report_moves_every_part(log: Path, run: SystemRun) -> 
 
 
 def test_numbers_of_the_report_are_of_named_parts(log: Path, run: SystemRun) -> None:
-    from cablemodel.report.tables import number
+    from cablemodel.views.report.tables import number
 
     text = made(log).read_text(encoding="utf-8")
     assert "port: 60 m of wire · starboard: 60 m of wire · streamer: 30 m of wire · " in text
@@ -289,7 +289,7 @@ def test_export_of_a_system(log: Path, run: SystemRun, tmp_path: Path) -> None:
 
 
 def test_statistics_are_of_each_line(log: Path, run: SystemRun) -> None:
-    from cablemodel import analysis
+    from cablemodel.analysis.statistics import statistics as analysis
 
     report = json.loads(invoke("stats", log, "--json", "--intercept", "1e6").stdout)
     rows = {row["name"]: row for row in report["statistics"]}
@@ -350,7 +350,7 @@ def test_a_sweep_over_a_system_is_what_its_runs_are(tmp_path: Path) -> None:
 
 
 def test_results_of_a_sweep_are_named_with_units() -> None:
-    from cablemodel.parameter_sweep import result_label, results_of
+    from cablemodel.analysis.sweep import result_label, results_of
 
     results = results_of(load_system(SCENE))
     assert "tip_x" not in results

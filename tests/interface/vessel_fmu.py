@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cablemodel.library import BINARIES
+from cablemodel.solvers.library import BINARIES
 from cablemodel_fmu.system import vessel_fmu
 
 PARAMETERS = {"mass": 5000.0, "thrust": 300.0, "resistance": 200.0}

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from cablemodel.log.writer import LogWriter
 from cablemodel.model import CableModel
+from cablemodel.results.log.writer import LogWriter
 from cablemodel.scene import load_scene
 
 FOLDER = Path(__file__).parent / "golden"

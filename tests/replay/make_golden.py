@@ -13,10 +13,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from cases import CASES, FOLDER, LARGEST, Case
 
-from cablemodel.compare import compare
 from cablemodel.errors import LogError
-from cablemodel.replay import replay
-from cablemodel.run import open_run
+from cablemodel.results.compare import compare
+from cablemodel.results.replay import replay
+from cablemodel.results.run import open_run
 
 
 def main(names: list[str]) -> int:

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.log.reader import LogFile
-from cablemodel.replay import replay
+from cablemodel.results.log.reader import LogFile
+from cablemodel.results.replay import replay
 
 HERE = Path(__file__).parent
 
@@ -90,7 +90,7 @@ def test_a_changed_engine_is_compared_within_the_tolerance(
 ) -> None:
     """What a golden log does on another machine or a later engine."""
     path = CASES[0].make(tmp_path / "run.mcap")
-    monkeypatch.setattr("cablemodel.log.provenance.engine_hash", lambda: "another")
+    monkeypatch.setattr("cablemodel.results.log.provenance.engine_hash", lambda: "another")
     result = replay(cm.open_run(path))
     assert result.changed["engine"][1] == "another"
     assert not result.expected_exact

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.block import Block
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.shared.layout import Header
 
 FloatArray = NDArray[np.float64]
 

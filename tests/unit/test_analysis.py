@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cablemodel.analysis import (
+from cablemodel.analysis.statistics import (
     Cycles,
     FatigueCurve,
     cycles,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from cablemodel.direct.kernels import layout as own
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.record import Part, Several, Spare, c_struct, dtype_of, records
+from cablemodel.solvers.direct.kernels import layout as own
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.record import Part, Several, Spare, c_struct, dtype_of, records
 
 RECORDS = [*records(at), *records(own)]
 

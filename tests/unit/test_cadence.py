@@ -5,7 +5,7 @@ import math
 import pytest
 
 from cablemodel import SceneError
-from cablemodel.cadence import (
+from cablemodel.results.cadence import (
     MOST_OUTPUTS,
     SHAPE_BYTES,
     STATE_BYTES,

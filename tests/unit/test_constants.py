@@ -66,8 +66,13 @@ def test_a_constant_is_found_with_what_the_code_says_of_it(
 ) -> None:
     """Behind it, below it or above it; several in a line; words and names in small letters not."""
     found = {(c.module, c.name): c for c in writer.constants()}
-    assert found["kernels/follow.py", "SPLIT_ABOVE"].value == "1.6"
-    assert found["kernels/follow.py", "JOIN_BELOW"].effect == "of the length wanted"
-    assert found["instance/refinement.py", "BENT"].effect.startswith("Of tau L: what h^2 times")
-    assert ("kernels/layout.py", "EDGE_WORDS") not in found
-    assert ("kernels/element_planar.py", "R") not in found
+    assert found["solvers/finite_element/kernels/mesh/follow.py", "SPLIT_ABOVE"].value == "1.6"
+    assert (
+        found["solvers/finite_element/kernels/mesh/follow.py", "JOIN_BELOW"].effect
+        == "of the length wanted"
+    )
+    assert found["solvers/finite_element/start/refinement.py", "BENT"].effect.startswith(
+        "Of tau L: what h^2 times"
+    )
+    assert ("solvers/shared/layout.py", "EDGE_WORDS") not in found
+    assert ("solvers/finite_element/kernels/element/element_planar.py", "R") not in found

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
-from cablemodel.curves import crossing, hermite
+from cablemodel.solvers.shared.curves import crossing, hermite
 
 
 @pytest.mark.parametrize("count", [2, 3, 40])

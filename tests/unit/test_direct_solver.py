@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.direct import library
-from cablemodel.direct.build import build
-from cablemodel.direct.kernels import layout as own
-from cablemodel.direct.kernels.entry import ENTRY_POINTS
-from cablemodel.direct.kernels.layout import RHS_WORDS
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.compile import OPTIONS
+from cablemodel.solvers.direct import library
+from cablemodel.solvers.direct.build import build
+from cablemodel.solvers.direct.kernels import layout as own
+from cablemodel.solvers.direct.kernels.entry import ENTRY_POINTS
+from cablemodel.solvers.direct.kernels.layout import RHS_WORDS
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.compile import OPTIONS
 from tests.verification import direct_scenes as scenes
 
 RIGID = {

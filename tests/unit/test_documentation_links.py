@@ -77,8 +77,9 @@ MAINTAINERS = sorted(
 
 def test_files_and_functions_that_pages_name_are_there() -> None:
     places = [ROOT, ROOT / "docs", *(ROOT / folder for folder in CODE)]
-    places += [ROOT / "cablemodel" / "kernels", ROOT / "tests" / "verification"]
-    places += [ROOT / "benchmarks" / "random_scenes", ROOT / "cablemodel" / "instance"]
+    places += [ROOT / "tests" / "verification", ROOT / "benchmarks" / "random_scenes"]
+    solvers = ROOT / "cablemodel" / "solvers"
+    places += [path for path in solvers.rglob("*") if path.is_dir()] + [solvers]
     sources = (path for folder in CODE for path in (ROOT / folder).rglob("*.py"))
     words = {word for path in sources for word in re.findall(r"\w+", path.read_text("utf-8"))}
     missing = []

@@ -12,12 +12,15 @@ from newton_matrix import clear, dense, differences
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from cablemodel.instance.laid_start import law_of_contact
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.contact import LYING, contact_law
-from cablemodel.kernels.floor import floor_jacobian, floor_residual
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.solvers.finite_element.kernels.floor.contact import LYING, contact_law
+from cablemodel.solvers.finite_element.kernels.floor.floor_forces import (
+    floor_jacobian,
+    floor_residual,
+)
+from cablemodel.solvers.finite_element.start.laid_start import law_of_contact
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.compile import OPTIONS
+from cablemodel.solvers.shared.layout import Header, Scalars
 
 
 @numba.jit(**OPTIONS)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.instance import build
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.floor_surface import table_height
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import table_height
+from cablemodel.solvers.finite_element.start.from_scene import build
+from cablemodel.solvers.shared.compile import OPTIONS
 
 
 @numba.jit(**OPTIONS)

@@ -11,9 +11,9 @@ from newton_matrix import clear, dense, differences
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.flow import flow_jacobian, flow_residual
-from cablemodel.kernels.layout import Header, Scalars
+from cablemodel.solvers.finite_element.kernels.water.flow import flow_jacobian, flow_residual
+from cablemodel.solvers.shared.compile import OPTIONS
+from cablemodel.solvers.shared.layout import Header, Scalars
 
 FLOW = 1.7
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -23,72 +24,31 @@ HEAVY = [
     "scipy",
     "pandas",
     "plotly",
-    "cablemodel.library",
+    "cablemodel.solvers.library",
 ]
 
 # Layers from the inside out: a module may import from its own layer and from those before it.
 LAYERS = (
-    ("cablemodel.cache", "cablemodel.errors", "cablemodel.extras", "cablemodel.curves"),
-    ("cablemodel.kernels",),
-    ("cablemodel.library",),
+    ("cablemodel.cache", "cablemodel.errors", "cablemodel.extras", "cablemodel.variables"),
     ("cablemodel.scene",),
     ("cablemodel.moordyn_deck",),
-    ("cablemodel.block",),
-    ("cablemodel.mesh",),
-    (
-        "cablemodel.sea_floor",
-        "cablemodel.laid_loads",
-        "cablemodel.free_hanging",
-        "cablemodel.laid_shape",
-        "cablemodel.waves",
-        "cablemodel.wall_tension",
-        "cablemodel.linearisation",
-        "cablemodel.stability",
-        "cablemodel.instance",
-    ),
-    (
-        "cablemodel.direct",
-        "cablemodel.finite_element",
-        "cablemodel.error_estimate",
-        "cablemodel.solver",
-    ),
-    ("cablemodel.variables",),
-    (
-        "cablemodel.model",
-        "cablemodel.linear_equations",
-        "cablemodel.linear_line",
-        "cablemodel.linear_model",
-        "cablemodel.linear_parts",
-        "cablemodel.step_sensitivity",
-    ),
+    ("cablemodel.solvers.shared",),
+    ("cablemodel.solvers.finite_element.kernels", "cablemodel.solvers.direct.kernels"),
+    ("cablemodel.solvers.library", "cablemodel.solvers.protocol"),
+    ("cablemodel.solvers.finite_element", "cablemodel.solvers.direct"),
+    ("cablemodel.solvers",),
+    ("cablemodel.model", "cablemodel.linear"),
     ("cablemodel.systems",),
-    ("cablemodel.states", "cablemodel.cadence"),
-    ("cablemodel.log",),
-    (
-        "cablemodel.promise",
-        "cablemodel.recorder",
-        "cablemodel.run",
-        "cablemodel.converged_run",
-        "cablemodel.columns",
-        "cablemodel.dataset",
-    ),
-    ("cablemodel.compare",),
-    ("cablemodel.replay",),
-    (
-        "cablemodel.drawing",
-        "cablemodel.plot",
-        "cablemodel.analysis",
-        "cablemodel.export",
-        "cablemodel.parameter_sweep",
-    ),
-    (
-        "cablemodel.animate",
-        "cablemodel.report",
-        "cablemodel.sweep_plot",
-        "cablemodel.accuracy",
-    ),
+    ("cablemodel.results",),
+    ("cablemodel.accuracy",),
+    ("cablemodel.analysis",),
+    ("cablemodel.views",),
     ("cablemodel.cli", "cablemodel.__main__"),
 )
+SIDE_BY_SIDE = ("cablemodel.solvers.finite_element", "cablemodel.solvers.direct")
+"""Neither solver imports the other: what they share stands in solvers/shared."""
+FLAT = 8
+"""Modules beside the packages, at most."""
 
 
 def layer_of(module: str) -> int | None:
@@ -106,10 +66,15 @@ def modules() -> list[tuple[str, Path]]:
     return found
 
 
-def imported(path: Path) -> list[str]:
-    """Modules of this package that a file imports at any level of nesting."""
+def imported(path: Path, *, to_run: bool = False) -> list[str]:
+    """Modules of this package that a file imports at any level of nesting; to_run: without those
+    for its annotations alone."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if to_run and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            node.body = []
     names = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -122,14 +87,36 @@ def imported(path: Path) -> list[str]:
 
 @pytest.mark.parametrize(("module", "path"), modules(), ids=[name for name, _ in modules()])
 def test_dependencies_point_inward(module: str, path: Path) -> None:
-    level = layer_of(module)
     if module == "cablemodel":
         return  # the front door names everything, lazily
+    level = layer_of(module)
     assert level is not None, f"{module} stands in no layer of this test"
     for name in imported(path):
         other = layer_of(name)
         if other is not None:
             assert other <= level, f"{module} imports {name}"
+        for one, another in (SIDE_BY_SIDE, SIDE_BY_SIDE[::-1]):
+            assert not (module.startswith(one) and name.startswith(another)), module
+
+
+def test_no_module_imports_itself_through_others() -> None:
+    """Not even where an import waits for a function to be called."""
+    paths = dict(modules())
+    graph = {module: set[str]() for module in paths}
+    for module, path in paths.items():
+        if module == "cablemodel":
+            continue
+        for name in imported(path, to_run=True):
+            while name not in paths:
+                name = name.rpartition(".")[0]
+            if name not in (module, "cablemodel"):
+                graph[module].add(name)
+    TopologicalSorter(graph).prepare()  # a CycleError names the circle
+
+
+def test_few_modules_stand_beside_the_packages() -> None:
+    flat = {path.name for path in PACKAGE.glob("*.py")} - {"__init__.py", "__main__.py"}
+    assert len(flat) <= FLAT, flat
 
 
 def loaded_after(statement: str) -> set[str]:
@@ -157,14 +144,16 @@ def test_loading_a_scene_without_units_or_files_loads_nothing_heavy() -> None:
     assert loaded_after(f"import cablemodel; cablemodel.load_scene('{scene}').motion()") == set()
 
 
-@pytest.mark.parametrize("module", ["cablemodel.run", "cablemodel.compare", "cablemodel.plot"])
+@pytest.mark.parametrize(
+    "module", ["cablemodel.results.run", "cablemodel.results.compare", "cablemodel.views.plot"]
+)
 def test_reading_runs_loads_no_solver(module: str) -> None:
     """Where no library is built for this machine its kernels bring numba along."""
-    assert "cablemodel.library" not in loaded_after(f"import {module}")
+    assert "cablemodel.solvers.library" not in loaded_after(f"import {module}")
 
 
 def test_the_command_line_loads_no_solver_before_it_needs_one() -> None:
-    assert not {"numba", "cablemodel.library"} & loaded_after("import cablemodel.cli")
+    assert not {"numba", "cablemodel.solvers.library"} & loaded_after("import cablemodel.cli")
 
 
 def test_pint_loads_with_the_first_unit() -> None:

@@ -6,7 +6,13 @@ import pytest
 from numba import float64, int64
 from numba.core.types.functions import BaseFunction
 
-from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS, calls_resolved_once, entry_point
+from cablemodel.solvers.shared.compile import (
+    INTEGERS,
+    OPTIONS,
+    REALS,
+    calls_resolved_once,
+    entry_point,
+)
 
 
 def _mixed(ints, reals, factor):

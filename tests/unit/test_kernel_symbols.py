@@ -7,7 +7,7 @@ import numba
 import pytest
 from numba import float64, int64
 
-from cablemodel.kernels.compile import INTEGERS, OPTIONS, REALS
+from cablemodel.solvers.shared.compile import INTEGERS, OPTIONS, REALS
 from cablemodel_fmu import intermediate
 from cablemodel_fmu.symbols import ALLOWED_SYMBOLS, external_symbols
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel import library
+from cablemodel.solvers import library
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,7 +23,7 @@ import sys, hashlib
 from pathlib import Path
 import numpy as np
 import cablemodel as cm
-from cablemodel import library
+from cablemodel.solvers import library
 digest = hashlib.sha256()
 model = cm.CableModel(cm.load_scene("{root}/scenes/example_2_tow.yaml"))
 for n in range(15):
@@ -153,12 +153,15 @@ def test_compiling_for_long_is_told_once(caplog, monkeypatch):
     assert [record.message for record in caplog.records] == [library.COMPILING]
 
 
-@pytest.mark.parametrize("edited", ["kernels/stepping.py", "direct/kernels/stepping.py"])
+@pytest.mark.parametrize(
+    "edited",
+    ["shared/inputs.py", "finite_element/kernels/time/stepping.py", "direct/kernels/stepping.py"],
+)
 def test_the_hash_is_that_of_the_sources(edited, tmp_path, monkeypatch):
     """Of both solvers, for one library holds both."""
     before = library.kernel_hash()
-    for folder in ("kernels", "direct/kernels"):
-        shutil.copytree(ROOT / "cablemodel" / folder, tmp_path / folder)
+    for folder in library.KERNELS:
+        shutil.copytree(ROOT / "cablemodel" / "solvers" / folder, tmp_path / folder)
     with (tmp_path / edited).open("a") as file:
         file.write("# changed\n")
     monkeypatch.setattr(library, "__file__", str(tmp_path / "library.py"))

@@ -4,9 +4,9 @@ import numba
 import numpy as np
 from numba import float64, int64
 
-from cablemodel.kernels.access import vector
-from cablemodel.kernels.compile import OPTIONS, REALS, kernel, own_record
-from cablemodel.kernels.record import Record, part, real, reals
+from cablemodel.solvers.shared.access import vector
+from cablemodel.solvers.shared.compile import OPTIONS, REALS, kernel, own_record
+from cablemodel.solvers.shared.record import Record, part, real, reals
 
 
 class Inner(Record):

@@ -10,8 +10,8 @@ from newton_matrix import dense
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from cablemodel import library as entry
-from cablemodel.block import Block
+from cablemodel.solvers import library as entry
+from cablemodel.solvers.finite_element.block import Block
 
 WAVES = {"regular": {"height": 1.5, "period": 6.0}}
 CURRENT = [0.4, 0.0, 0.0]

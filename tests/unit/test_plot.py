@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.states import States
+from cablemodel.results.states import States
 
 matplotlib = pytest.importorskip("matplotlib")
 
-from cablemodel.plot import draw, save_figure  # noqa: E402
+from cablemodel.views.plot import draw, save_figure  # noqa: E402
 
 
 def swing(
@@ -161,7 +161,7 @@ def test_no_states_are_a_clear_error() -> None:
 def test_without_matplotlib_the_error_says_what_to_install() -> None:
     code = (
         "import sys; sys.modules['matplotlib'] = None\n"
-        "import cablemodel.plot as plot\n"
+        "import cablemodel.views.plot as plot\n"
         "try:\n    plot.draw(None)\n"
         "except plot.CableModelError as error:\n    print(error)"
     )
@@ -171,7 +171,7 @@ def test_without_matplotlib_the_error_says_what_to_install() -> None:
 
 def test_a_long_key_stays_within_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     """Six times, bodies, vessels' points and slack take two rows."""
-    monkeypatch.setattr("cablemodel.plot.slack_spans", lambda run: [(0.0, 1.0)])
+    monkeypatch.setattr("cablemodel.views.plot.slack_spans", lambda run: [(0.0, 1.0)])
     scene = {
         "cable_types": {"wire": {"diameter": 0.01, "mass": 0.4, "axial_stiffness": 1e6}},
         "vessels": {"ship": {"points": {"hook": [0, 0, 0]}, "velocity": [1, 0, 0]}},

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cablemodel.report.samples import Along, evenly_spaced, nearest, thinned
-from cablemodel.report.tables import number
-from cablemodel.states import States
+from cablemodel.results.states import States
 from cablemodel.variables import STATE_LABELS
+from cablemodel.views.report.samples import Along, evenly_spaced, nearest, thinned
+from cablemodel.views.report.tables import number
 
 
 def test_thinned_curves_keep_every_peak_and_both_ends() -> None:

@@ -6,12 +6,15 @@ import pytest
 from newton_matrix import clear, dense, differences
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.environment import current_profile
-from cablemodel.kernels.layout import Header
-from cablemodel.kernels.rigid import rigid_jacobian, rigid_residual
-from cablemodel.kernels.vessel_clamp import add_clamp_moment, add_clamp_tangent
+from cablemodel.solvers.finite_element.kernels.bodies.rigid import rigid_jacobian, rigid_residual
+from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import (
+    add_clamp_moment,
+    add_clamp_tangent,
+)
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.compile import OPTIONS
+from cablemodel.solvers.shared.environment import current_profile
+from cablemodel.solvers.shared.layout import Header
 
 BODY = {
     "mass": 6, "submerged_weight": 20, "half_length": 0.4, "centre_offset": 0.3,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.shared.layout import Header
 
 UNTIL = 30.0
 SLACK = {

@@ -21,7 +21,7 @@ from cablemodel.scene.load import is_system
 from cablemodel.systems import SystemScene
 
 ROOT = Path(__file__).parents[2]
-READY = sorted([*ROOT.glob("scenes/**/*.yaml"), *ROOT.glob("cablemodel/templates/*.yaml")])
+READY = sorted([*ROOT.glob("scenes/**/*.yaml"), *ROOT.glob("cablemodel/cli/templates/*.yaml")])
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel import waves
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.system import set_time
-from cablemodel.kernels.waves import water_at, wave_at
 from cablemodel.scene.sea import sea
+from cablemodel.solvers.finite_element.kernels.line.system import set_time
+from cablemodel.solvers.finite_element.kernels.water.waves import water_at, wave_at
+from cablemodel.solvers.finite_element.start import waves
+from cablemodel.solvers.shared.compile import OPTIONS
 
 CABLE = {"diameter": 0.03, "mass": 1.5, "axial_stiffness": 1e6, "bending_stiffness": 5.0}
 ALL = -1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cablemodel.kernels import tables
+from cablemodel.solvers.finite_element.kernels.element import tables
 
 
 @pytest.mark.parametrize("scheme", [0, 1])

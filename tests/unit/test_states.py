@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cablemodel.states import States, by_label, matrix_of
+from cablemodel.results.states import States, by_label, matrix_of
 from cablemodel.variables import APPLIED_INPUT_LABELS
 
 

@@ -11,13 +11,16 @@ from scipy.integrate import quad
 
 import cablemodel as cm
 from cablemodel.errors import SceneError
-from cablemodel.kernels.airy import STILL
-from cablemodel.kernels.bodies import body_jacobian, body_residual
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.layout import Header
-from cablemodel.kernels.system import set_time
-from cablemodel.kernels.waves import Water, water_at, wave_at, wet_at
 from cablemodel.scene.sea import sea, wave_number
+from cablemodel.solvers.finite_element.kernels.bodies.point_bodies import (
+    body_jacobian,
+    body_residual,
+)
+from cablemodel.solvers.finite_element.kernels.line.system import set_time
+from cablemodel.solvers.finite_element.kernels.water.airy import STILL
+from cablemodel.solvers.finite_element.kernels.water.waves import Water, water_at, wave_at, wet_at
+from cablemodel.solvers.shared.compile import OPTIONS
+from cablemodel.solvers.shared.layout import Header
 
 GRAVITY = 9.80665
 CABLE = {"diameter": 0.02, "mass": 0.5, "axial_stiffness": 1e6, "bending_stiffness": 0.1}

@@ -5,14 +5,31 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.access import edge_of, header
-from cablemodel.kernels.compile import OPTIONS, view
-from cablemodel.kernels.layout import Header
-from cablemodel.kernels.system import set_time
-from cablemodel.kernels.tables import D0, D1, D2, D3, H0, H1, H2, H3, WEIGHT
-from cablemodel.kernels.waves import DRAG, FORCE, STRETCH, TANGENT, WET, wave_loads
-from cablemodel.kernels.wetting import drag_shares
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    D0,
+    D1,
+    D2,
+    D3,
+    H0,
+    H1,
+    H2,
+    H3,
+    WEIGHT,
+)
+from cablemodel.solvers.finite_element.kernels.line.system import set_time
+from cablemodel.solvers.finite_element.kernels.water.waves import (
+    DRAG,
+    FORCE,
+    STRETCH,
+    TANGENT,
+    WET,
+    wave_loads,
+)
+from cablemodel.solvers.finite_element.kernels.water.wetting import drag_shares
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.access import edge_of, header
+from cablemodel.solvers.shared.compile import OPTIONS, view
+from cablemodel.solvers.shared.layout import Header
 
 POINTS = np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 WEIGHTS = WEIGHT[:3]

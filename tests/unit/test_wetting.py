@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from cablemodel.kernels.compile import OPTIONS
-from cablemodel.kernels.tables import P1, WEIGHT
-from cablemodel.kernels.wetting import share_at, wet_shares
+from cablemodel.solvers.finite_element.kernels.element.tables import P1, WEIGHT
+from cablemodel.solvers.finite_element.kernels.water.wetting import share_at, wet_shares
+from cablemodel.solvers.shared.compile import OPTIONS
 
 POINTS = np.asarray(P1)[:3]
 

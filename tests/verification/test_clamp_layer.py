@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.error_estimate import PLACES
+from cablemodel.solvers.estimating import PLACES
 from tests.verification.scenes import IDEAL
 
 LENGTH, PULL = 50.0, 400.0

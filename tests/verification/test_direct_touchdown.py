@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.direct.kernels import layout as own
+from cablemodel.solvers.direct.kernels import layout as own
 from tests.verification import direct_scenes as scenes
 
 SCENES = Path(__file__).parents[2] / "scenes"

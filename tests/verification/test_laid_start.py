@@ -7,7 +7,7 @@ import pytest
 
 import cablemodel as cm
 from benchmarks.random_scenes.draw import draw
-from cablemodel.error_estimate import PLACES
+from cablemodel.solvers.estimating import PLACES
 
 TOLERANCE = 1e-3
 LENGTH, DEPTH, WEIGHT = 500.0, 200.0, 17.41  # [m], [m], [N/m]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels.layout import Header
-from cablemodel.linear_equations import SIZE
-from cablemodel.linear_line import LineEquations
+from cablemodel.linear.equations import SIZE
+from cablemodel.linear.line import LineEquations
+from cablemodel.solvers.shared.layout import Header
 from tests.verification.scenes import CABLE_K, IDEAL, scene
 
 GRAVITY = 9.80665
@@ -290,7 +290,7 @@ def test_what_is_not_linear_is_refused_by_name(make, reason):
 
 def changed(model, path, by):
     """The same state with another value of a parameter: a table's word, by hand."""
-    from cablemodel.kernels import layout as at
+    from cablemodel.solvers.shared import layout as at
 
     other = copy.deepcopy(model)
     block = other._solver.memory

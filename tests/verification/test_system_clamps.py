@@ -11,9 +11,9 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import cablemodel as cm
-from cablemodel import library
 from cablemodel.cli.plausibility import system_warnings
-from cablemodel.kernels import layout as at
+from cablemodel.solvers import library
+from cablemodel.solvers.shared import layout as at
 
 G = 9.81
 EI, LENGTH, MASS, INERTIA = 1e4, 2.0, 2.0, 4.0

@@ -162,7 +162,7 @@ def test_a_cut_is_logged_replayed_and_remembered(tmp_path: Path) -> None:
     run = cm.open_run(log)
     assert run["knife.time"][-1] == pytest.approx(0.8)
     assert np.isnan(run["knife.time"][8])
-    from cablemodel.replay import replay
+    from cablemodel.results.replay import replay
 
     assert replay(run).exact
     other = SystemModel(scene)

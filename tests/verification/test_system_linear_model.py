@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from cablemodel.kernels import layout as at
-from cablemodel.linear_equations import SIZE, Equations
-from cablemodel.linear_model import LinearModel
+from cablemodel.linear.equations import SIZE, Equations
+from cablemodel.linear.model import LinearModel
+from cablemodel.solvers.shared import layout as at
 from cablemodel.systems import SystemModel
 from cablemodel.systems.inputs import VesselInput
 from cablemodel.systems.linear import SystemEquations
@@ -524,7 +524,7 @@ def test_a_line_written_as_a_system_has_the_same_transfer_functions() -> None:
 
 
 def test_steps_of_differences_are_the_kernels() -> None:
-    from cablemodel.kernels import free_bodies
+    from cablemodel.solvers.finite_element.kernels.bodies.point_bodies import free_bodies
     from cablemodel.systems import linear
 
     assert linear.STEP == free_bodies.STEP

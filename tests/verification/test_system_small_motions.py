@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from cablemodel.cli import app
 from cablemodel.errors import UnstableStartWarning
-from cablemodel.linearisation import free_motions, matrices
+from cablemodel.solvers.finite_element.linearisation import free_motions, matrices
 from cablemodel.systems import SystemModel
 from tests.verification.test_systems import G, hung_bar, in_vacuum, string
 

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
-from cablemodel.kernels import layout as at
-from cablemodel.kernels.layout import Header
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems import SystemModel, load_system
 from cablemodel.systems.build import without_shape
 from cablemodel.systems.inputs import VesselInput

@@ -11,9 +11,10 @@ import pytest
 
 import cablemodel as cm
 from benchmarks.random_scenes.draw import draw
-from cablemodel.instance import build, unstable_start
-from cablemodel.linearisation import small_motions
-from cablemodel.stability import growing_motion, slowest_growth
+from cablemodel.solvers.finite_element.linearisation import small_motions
+from cablemodel.solvers.finite_element.stability import growing_motion, slowest_growth
+from cablemodel.solvers.finite_element.start import unstable_start
+from cablemodel.solvers.finite_element.start.from_scene import build
 from tests.verification.scenes import IDEAL, scene
 
 GREENHILL = 7.8373

@@ -7,8 +7,8 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.errors import CableModelError
+from cablemodel.results.states import States, matrix_of
 from cablemodel.scene.sea import sea
-from cablemodel.states import States, matrix_of
 from tests.verification.scenes import CABLE_K
 
 RHO, GRAVITY = 1025.0, 9.80665

@@ -363,7 +363,7 @@ static const double *rows(Cable *cable) {
 }
 
 /* What positions [m] and the top tension [N] may be wrong by: errors of
-   cablemodel/error_estimate.py. */
+   cablemodel/solvers/estimating.py. */
 static const double *errors(Cable *cable) {
     if (cable->errors_current) return cable->errors;
     cable->errors_current = 1;

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "layout.h" /* generated from cablemodel/kernels/layout.py and cablemodel/block.py */
+#include "layout.h" /* generated from cablemodel/solvers/shared/layout.py and cablemodel/solvers/finite_element/block.py */
 
 /* Value references, of all types: no two variables have the same, for there are masters that keep
    them in one table. See cablemodel_fmu/signals.py, which writes them. */

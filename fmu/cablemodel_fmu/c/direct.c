@@ -138,7 +138,7 @@ void direct_rows(Cable *cable) {
                              STATION_WORDS * cable->bodies);
 }
 
-/* What a failed step says, and the arc length of its place; words of cablemodel/direct. */
+/* What a failed step says, and the arc length of its place; words of cablemodel/solvers/direct. */
 double direct_failure(const Cable *cable, int64_t status, const char **problem,
                       const char **advice) {
     static const struct {

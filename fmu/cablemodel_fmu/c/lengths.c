@@ -1,6 +1,6 @@
 /* Lengths of the cables, set before the start, and the state at the start that belongs to them.
 
-   What cablemodel/instance makes of a scene's lengths is made of new ones here: the elements of a
+   What cablemodel/solvers/finite_element/start makes of a scene's lengths is made of new ones here: the elements of a
    cable keep their number and are scaled with it, and so is the first shape, from which the kernels
    find the static equilibrium. */
 #include <math.h>
@@ -170,7 +170,7 @@ static double body_below(const Cable *cable, int64_t index) {
     return cable->M[header(cable->I)->bodies + (int64_t)body * BODY_WORDS + WORD(Body, length)];
 }
 
-/* The cables as they pass the tow point: see cablemodel/instance/winch.py. */
+/* The cables as they pass the tow point: see cablemodel/solvers/finite_element/start/winch.py. */
 static void arrange_winch(Cable *cable, double from, double to, double growth) {
     double below = 0.0, most = 0.0, travel = 0.0;
     double left = SHORTEST_LINE * scalars(cable->M)->length, above = 0.0; /* at the end of reel-in */
@@ -225,7 +225,7 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
     winch->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
 }
 
-/* What follows from the lengths of the line as a whole: facts_of of cablemodel/instance/tables.py. */
+/* What follows from the lengths of the line as a whole: facts_of of cablemodel/solvers/finite_element/start/tables.py. */
 static void measure_line(Cable *cable, double share) {
     LineFacts facts;
     double drag = 0.0, mass = 0.0;
@@ -333,7 +333,7 @@ void count_from_zero(Cable *cable) {
     header(cable->I)->factored = header(cable->I)->has_history = 0;
 }
 
-/* The calls of find_initial_state and refine_touchdown in cablemodel/instance. */
+/* The calls of find_initial_state and refine_touchdown in cablemodel/solvers/finite_element/start. */
 static int64_t find_initial_state(Cable *cable) {
     const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
@@ -366,7 +366,7 @@ static double second(const Cable *cable, int64_t node, int64_t i, int end) {
 }
 
 /* By how much a static shape bends at an element, in what that can follow: by the rule by which refined
-   of cablemodel/instance/refinement.py, or of cablemodel/systems/places.py, would halve it. */
+   of cablemodel/solvers/finite_element/start/refinement.py, or of cablemodel/systems/places.py, would halve it. */
 double bend_at(const Cable *cable, int64_t node) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
     const double *edge = edge_of(cable, node), h = AS(Edge, edge)->length;

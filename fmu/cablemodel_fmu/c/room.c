@@ -1,4 +1,4 @@
-/* Memory of a block: it grows with the mesh, by the rule of Block.make_room in cablemodel/block.py.
+/* Memory of a block: it grows with the mesh, by the rule of Block.make_room in cablemodel/solvers/finite_element/block.py.
    How much there is room for is seen in no result. */
 #include <stdlib.h>
 #include <string.h>

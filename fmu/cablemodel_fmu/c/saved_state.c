@@ -27,7 +27,7 @@ typedef struct {
 } Part;
 enum { TABLES = 3, OF_ALL = 9, PARTS = TABLES + 15 };
 
-/* What of an image is in use, as in kernels/backup.py: what may change but for the nodes, then the
+/* What of an image is in use, as in kernels/time/backup.py: what may change but for the nodes, then the
    arrays of the nodes; history and matrix are of those that are awake. Tables of the scene never
    change. */
 static void parts_of(const int64_t *I, Part parts[PARTS]) {

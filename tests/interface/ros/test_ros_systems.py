@@ -27,8 +27,8 @@ from visualization_msgs.msg import MarkerArray
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.log.messages import quaternion_of
-from cablemodel.replay import replay
+from cablemodel.results.log.messages import quaternion_of
+from cablemodel.results.replay import replay
 
 from .conftest import ROOT, SCENE, NodeProcess, Talker, wait_until
 from .helmsman import Watch

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from cablemodel import load_scene
-from cablemodel.log.messages import quaternion_of
+from cablemodel.results.log.messages import quaternion_of
 
 SCENE = Path(__file__).parents[3] / "ros2_node/scenes/waypoint_tow.yaml"
 STAMP = Stamp(0) + 1000.0

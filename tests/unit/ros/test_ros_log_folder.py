@@ -150,7 +150,7 @@ def test_a_log_that_fails_is_tried_again_and_says_so(
 def test_a_disk_that_fills_up_costs_one_file_and_leaves_no_empty_ones(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from cablemodel.log.writer import LogWriter
+    from cablemodel.results.log.writer import LogWriter
 
     monkeypatch.setattr(recording, "RETRY", 0.1)
     whole, full = LogWriter.flush, threading.Event()

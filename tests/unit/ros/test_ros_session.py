@@ -23,7 +23,7 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel.model import Snapshot
-from cablemodel.replay import replay
+from cablemodel.results.replay import replay
 
 CABLE = {
     "diameter": 0.01666, "mass": 0.4613, "submerged_weight": 2.33333, "axial_stiffness": 1.0e6,

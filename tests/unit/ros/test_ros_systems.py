@@ -30,8 +30,8 @@ from system_to_steer import SCENE
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.log.messages import quaternion_of
-from cablemodel.replay import replay
+from cablemodel.results.log.messages import quaternion_of
+from cablemodel.results.replay import replay
 
 ROOT = Path(__file__).parents[3]
 DT = 0.02

@@ -1,1 +1,0 @@
-"""Numba kernels of the direct solver: the rules are those of cablemodel.kernels."""

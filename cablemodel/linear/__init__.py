@@ -1,0 +1,1 @@
+"""Small motions with names, inputs and outputs; exact derivatives of a step."""

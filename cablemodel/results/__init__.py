@@ -1,0 +1,1 @@
+"""Runs: simulate, record, log, open, read as tables, compare, replay."""

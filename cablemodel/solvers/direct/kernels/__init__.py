@@ -1,0 +1,1 @@
+"""Numba kernels of the direct solver: the rules are those of the finite elements."""

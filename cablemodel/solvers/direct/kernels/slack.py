@@ -1,0 +1,72 @@
+"""For how long, and where, some of the line has been slack, as shared/slack.py has it:
+by the mean tensions of the intervals between nodes."""
+
+from cablemodel.solvers.shared.access import header, line_of
+from cablemodel.solvers.shared.layout import SLACK_NOWHERE, SLACK_UNKNOWN
+from cablemodel.solvers.shared.slack import NONE, count_step, taut_from
+
+from .access import material_row, own_header, section_of
+from .compile import kernel
+from .layout import END_FREE, F3, RIGID, WIDTH
+
+
+@kernel
+def set_threshold(I, M):
+    """The tension above which the line is taut again, from the state at the start of a step."""
+    own = own_header(I)
+    weight = 0.0
+    largest = 0.0
+    lowest = NONE
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        if section.kind == RIGID:
+            continue
+        of_length = abs(material_row(I, M, section.material).weight)
+        for node in range(section.first + 1, section.first + section.count):
+            mean = mean_tension(M, own.start, node)
+            weight += of_length * M[own.old_length + node]
+            largest = max(largest, abs(mean))
+            lowest = min(lowest, mean)
+    line = line_of(I, M, 0)
+    line.threshold = taut_from(lowest, largest, weight)
+    rigid = section_of(I, M, own.section_count - 1).kind == RIGID
+    if own.end == END_FREE and not rigid and section_of(I, M, own.section_count).point < 0:
+        line.threshold = 0.0
+
+
+@kernel
+def mean_tension(M, unknowns, node):
+    """Of the interval that ends with a node."""
+    at = unknowns + WIDTH * node + F3
+    return 0.5 * (M[at - WIDTH] + M[at])
+
+
+@kernel
+def follow_slack(I, M, time, dt):
+    """Count a step of dt from `time` on that has been made, where the line was slack in it."""
+    own = own_header(I)
+    head = header(I)
+    line = line_of(I, M, 0)
+    if head.slack == SLACK_UNKNOWN:
+        set_threshold(I, M)
+        head.slack = SLACK_NOWHERE
+    line.before = NONE
+    line.after = NONE
+    begin = 0.0
+    for index in range(own.section_count):
+        section = section_of(I, M, index)
+        if section.kind == RIGID:
+            continue
+        for node in range(section.first + 1, section.first + section.count):
+            end = begin + M[own.length + node]
+            before = mean_tension(M, own.start, node)
+            after = mean_tension(M, own.unknowns, node)
+            line.before = min(line.before, before)
+            line.after = min(line.after, after)
+            if after <= 0.0 or before <= 0.0:
+                if not line.first <= begin:
+                    line.first = begin
+                if not line.last >= end:
+                    line.last = end
+            begin = end
+    count_step(line, time, dt)

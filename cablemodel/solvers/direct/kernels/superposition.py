@@ -1,0 +1,397 @@
+"""The chain of slots solved as the paper solves it: by superposition of initial value problems.
+
+At a node all solutions that meet the conditions on one side are y0 + Y z (eq. 39): a particular
+solution and half as many complementary ones as there are unknowns. They are carried across an
+interval by the implicit midpoint rule, each an initial value problem, and made orthonormal again
+at every node, with y0 orthogonal to them: that suppresses the growing components, which would
+otherwise drown the others (growth by more than 1e16 leaves nothing).
+
+A hybrid line is integrated from both ends to the joint C and recombined there (eqs. 40 to 45); a
+line of one kind from the vessel to its far end, whose conditions then give z.
+"""
+
+import math
+
+from cablemodel.solvers.shared.layout import OK, SINGULAR
+
+from .access import own_header
+from .compile import kernel
+from .layout import (
+    BLOCK,
+    RHS_WORDS,
+    SHAPE_WORDS,
+    SWEEP_WORDS,
+    W_COMPLEMENTARY,
+    W_CROSS,
+    W_KNOWN,
+    W_MIX,
+    W_PARTICULAR,
+    W_SHIFT,
+    WIDTH,
+)
+
+COLUMNS = 2 * WIDTH + 4
+HALF = WIDTH // 2
+NEARLY_SINGULAR = 1e-7
+"""Pivot of a transfer (its rows have entries of at most one) below which no initial value problem
+is solved: the midpoint rule has a pole where h sqrt(T/EI) = 2, and at a flexible free end."""
+
+
+@kernel
+def orthonormalise(M, at, n, p, sides):
+    """Make Y orthonormal (modified Gram-Schmidt) and y0 orthogonal to it; keep T and S.
+
+    Y_old = Y T and y0_old = y0 + Y S, so that z = T z_old + S. Returns 1 if Y has lost its rank.
+    """
+    Y = at + W_COMPLEMENTARY
+    T = at + W_MIX
+    for k in range(p):
+        for j in range(k):
+            M[T + HALF * k + j] = 0.0
+        norm = 0.0
+        for i in range(n):
+            norm += M[Y + HALF * i + k] ** 2
+        norm = math.sqrt(norm)
+        if not norm > 1e-280:
+            return 1
+        M[T + HALF * k + k] = norm
+        for i in range(n):
+            M[Y + HALF * i + k] /= norm
+        for j in range(k + 1, p):
+            dot = 0.0
+            for i in range(n):
+                dot += M[Y + HALF * i + k] * M[Y + HALF * i + j]
+            M[T + HALF * k + j] = dot
+            for i in range(n):
+                M[Y + HALF * i + j] -= dot * M[Y + HALF * i + k]
+    for side in range(sides):
+        y0 = at + W_PARTICULAR + WIDTH * side
+        for k in range(p):
+            dot = 0.0
+            for i in range(n):
+                dot += M[Y + HALF * i + k] * M[y0 + i]
+            M[at + W_SHIFT + HALF * side + k] = dot
+            for i in range(n):
+                M[y0 + i] -= dot * M[Y + HALF * i + k]
+    return 0
+
+
+@kernel
+def source_terms(I, M, slot, matrix, near, n, p, sides, rows, work):
+    """Into the work matrix: A Y in the first p columns, rhs - A y0 in columns from 2 WIDTH on."""
+    own = own_header(I)
+    for i in range(rows):
+        row = work + COLUMNS * i
+        a = matrix + BLOCK * slot + WIDTH * i
+        for k in range(p):
+            value = 0.0
+            for j in range(n):
+                value += M[a + j] * M[near + W_COMPLEMENTARY + HALF * j + k]
+            M[row + k] = value
+        for side in range(sides):
+            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
+            for j in range(n):
+                value -= M[a + j] * M[near + W_PARTICULAR + WIDTH * side + j]
+            M[row + 2 * WIDTH + side] = value
+
+
+@kernel
+def transfer(M, slot, matrix, far, n, p, sides, work):
+    """Solve B delta = source for the p + sides initial value problems of an interval."""
+    # B is copied next to the sources, in columns HALF ... HALF + n.
+    for i in range(n):
+        for j in range(n):
+            M[work + COLUMNS * i + HALF + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
+    for k in range(n):
+        pivot = k
+        largest = abs(M[work + COLUMNS * k + HALF + k])
+        for i in range(k + 1, n):
+            size = abs(M[work + COLUMNS * i + HALF + k])
+            if size > largest:
+                largest = size
+                pivot = i
+        if not largest > NEARLY_SINGULAR:
+            return SINGULAR
+        if pivot != k:
+            for j in range(COLUMNS):
+                kept = M[work + COLUMNS * k + j]
+                M[work + COLUMNS * k + j] = M[work + COLUMNS * pivot + j]
+                M[work + COLUMNS * pivot + j] = kept
+        inverse = 1.0 / M[work + COLUMNS * k + HALF + k]
+        for i in range(k + 1, n):
+            factor = M[work + COLUMNS * i + HALF + k] * inverse
+            if factor == 0.0:
+                continue
+            for j in range(k + 1, n):
+                M[work + COLUMNS * i + HALF + j] -= factor * M[work + COLUMNS * k + HALF + j]
+            for j in range(p):
+                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * k + j]
+            for j in range(sides):
+                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
+                    factor * M[work + COLUMNS * k + 2 * WIDTH + j]
+                )
+    for i in range(n - 1, -1, -1):
+        inverse = 1.0 / M[work + COLUMNS * i + HALF + i]
+        for k in range(p):
+            value = -M[work + COLUMNS * i + k]
+            for j in range(i + 1, n):
+                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_COMPLEMENTARY + HALF * j + k]
+            M[far + W_COMPLEMENTARY + HALF * i + k] = value * inverse
+        for side in range(sides):
+            value = M[work + COLUMNS * i + 2 * WIDTH + side]
+            for j in range(i + 1, n):
+                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_PARTICULAR + WIDTH * side + j]
+            M[far + W_PARTICULAR + WIDTH * side + i] = value * inverse
+    return OK
+
+
+@kernel
+def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
+    """Carry the solutions across a joint, or start them at an end (p = 0).
+
+    The slot's rows tie the p coefficients on the near side and the n unknowns on the far side.
+    Gauss-Jordan with full pivoting leaves n / 2 of them free: the new coefficients.
+    """
+    columns = p + n
+    for i in range(rows):
+        for j in range(n):
+            M[work + COLUMNS * i + p + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
+    order = I[work + COLUMNS * WIDTH : work + COLUMNS * WIDTH + 2 * WIDTH]
+    for j in range(columns):
+        order[j] = -1  # the row whose pivot this column holds
+    for step in range(rows):
+        row = -1
+        column = -1
+        largest = 1e-280
+        for i in range(step, rows):
+            for j in range(columns):
+                if order[j] < 0 and abs(M[work + COLUMNS * i + j]) > largest:
+                    largest = abs(M[work + COLUMNS * i + j])
+                    row = i
+                    column = j
+        if row < 0:
+            return SINGULAR
+        order[column] = step
+        for j in range(COLUMNS):
+            kept = M[work + COLUMNS * step + j]
+            M[work + COLUMNS * step + j] = M[work + COLUMNS * row + j]
+            M[work + COLUMNS * row + j] = kept
+        inverse = 1.0 / M[work + COLUMNS * step + column]
+        for j in range(columns):
+            M[work + COLUMNS * step + j] *= inverse
+        for j in range(sides):
+            M[work + COLUMNS * step + 2 * WIDTH + j] *= inverse
+        for i in range(rows):
+            factor = M[work + COLUMNS * i + column]
+            if i == step or factor == 0.0:
+                continue
+            for j in range(columns):
+                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * step + j]
+            for j in range(sides):
+                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
+                    factor * M[work + COLUMNS * step + 2 * WIDTH + j]
+                )
+    for j in range(columns):
+        # Coefficients of the near side go to a and B, unknowns of the far side to y0 and Y.
+        for side in range(sides):
+            value = 0.0
+            if order[j] >= 0:
+                value = M[work + COLUMNS * order[j] + 2 * WIDTH + side]
+            if j < p:
+                M[far + W_KNOWN + HALF * side + j] = value
+            else:
+                M[far + W_PARTICULAR + WIDTH * side + j - p] = value
+        k = 0
+        for free in range(columns):
+            if order[free] >= 0:
+                continue
+            value = 1.0 if free == j else 0.0
+            if order[j] >= 0:
+                value = -M[work + COLUMNS * order[j] + free]
+            if j < p:
+                M[far + W_CROSS + HALF * j + k] = value
+            else:
+                M[far + W_COMPLEMENTARY + HALF * (j - p) + k] = value
+            k += 1
+    return OK
+
+
+@kernel
+def sweep(I, M, first, last, step, store):
+    """Partial solutions from slot `first` up to, not including, `last`; step +1 or -1."""
+    own = own_header(I)
+    sides = own.right_sides
+    work = own.work
+    near = store
+    n_near = 0
+    slot = first
+    while slot != last:
+        shape = own.shape + SHAPE_WORDS * slot
+        node = slot if step > 0 else slot - 1
+        n = I[shape + 2] if step > 0 else I[shape + 1]
+        towards = own.right if step > 0 else own.left
+        behind = own.left if step > 0 else own.right
+        far = store + SWEEP_WORDS * node
+        rows = I[shape]
+        p = n_near // 2
+        source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
+        if I[shape + 3] != 0:
+            status = transfer(M, slot, towards, far, n, p, sides, work)
+            if status == SINGULAR:
+                # Any solution will do, not only one that starts from the near side: as at a joint.
+                I[shape + 3] = 0
+                source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
+        if I[shape + 3] == 0:
+            status = cross(I, M, slot, towards, far, n, p, sides, rows, work)
+        if status != OK:
+            return status
+        if orthonormalise(M, far, n, n // 2, sides) != 0:
+            return SINGULAR
+        near = far
+        n_near = n
+        slot += step
+    return OK
+
+
+@kernel
+def recombine(I, M, slot, slots, store):
+    """Coefficients z of both sides from the conditions of slot C (eqs. 43 to 45).
+
+    They go to the first words of the work space: WIDTH words a right-hand side, left side first.
+    """
+    own = own_header(I)
+    sides = own.right_sides
+    work = own.work + 4 * WIDTH
+    shape = own.shape + SHAPE_WORDS * slot
+    rows = I[shape]
+    left = store + SWEEP_WORDS * (slot - 1)
+    right = store + SWEEP_WORDS * slot
+    n_left = I[shape + 1]
+    n_right = I[shape + 2]
+    p_left = n_left // 2
+    p_right = n_right // 2
+    for i in range(rows):
+        row = work + COLUMNS * i
+        a = own.left + BLOCK * slot + WIDTH * i
+        b = own.right + BLOCK * slot + WIDTH * i
+        for k in range(p_left):
+            value = 0.0
+            for j in range(n_left):
+                value += M[a + j] * M[left + W_COMPLEMENTARY + HALF * j + k]
+            M[row + k] = value
+        for k in range(p_right):
+            value = 0.0
+            for j in range(n_right):
+                value += M[b + j] * M[right + W_COMPLEMENTARY + HALF * j + k]
+            M[row + p_left + k] = value
+        for side in range(sides):
+            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
+            for j in range(n_left):
+                value -= M[a + j] * M[left + W_PARTICULAR + WIDTH * side + j]
+            for j in range(n_right):
+                value -= M[b + j] * M[right + W_PARTICULAR + WIDTH * side + j]
+            M[row + 2 * WIDTH + side] = value
+    for k in range(rows):
+        pivot = k
+        for i in range(k + 1, rows):
+            if abs(M[work + COLUMNS * i + k]) > abs(M[work + COLUMNS * pivot + k]):
+                pivot = i
+        if not abs(M[work + COLUMNS * pivot + k]) > 1e-300:
+            return SINGULAR
+        for j in range(COLUMNS):
+            kept = M[work + COLUMNS * k + j]
+            M[work + COLUMNS * k + j] = M[work + COLUMNS * pivot + j]
+            M[work + COLUMNS * pivot + j] = kept
+        inverse = 1.0 / M[work + COLUMNS * k + k]
+        for i in range(rows):
+            factor = M[work + COLUMNS * i + k] * inverse
+            if i == k or factor == 0.0:
+                continue
+            for j in range(k, rows):
+                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * k + j]
+            for j in range(sides):
+                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
+                    factor * M[work + COLUMNS * k + 2 * WIDTH + j]
+                )
+    for side in range(sides):
+        for k in range(rows):
+            M[own.work + WIDTH * side + k] = (
+                M[work + COLUMNS * k + 2 * WIDTH + side] / M[work + COLUMNS * k + k]
+            )
+    return OK
+
+
+@kernel
+def return_sweep(I, M, node, last, step, z, store):
+    """Changes of all nodes from `node` to `last` from the coefficients z at `node`.
+
+    z: word offset of HALF coefficients for each of two right-hand sides, WIDTH words apart.
+    """
+    own = own_header(I)
+    sides = own.right_sides
+    while True:
+        at = store + SWEEP_WORDS * node
+        slot = node if step < 0 else node + 1  # the slot that the sweep came through
+        shape = own.shape + SHAPE_WORDS * slot
+        n = I[shape + 2] if step < 0 else I[shape + 1]
+        before = I[shape + 1] if step < 0 else I[shape + 2]
+        p = n // 2
+        for side in range(sides):
+            c = z + WIDTH * side
+            out = own.delta + 2 * WIDTH * node + WIDTH * side
+            for i in range(n):
+                value = M[at + W_PARTICULAR + WIDTH * side + i]
+                for k in range(p):
+                    value += M[at + W_COMPLEMENTARY + HALF * i + k] * M[c + k]
+                M[out + i] = value
+            for k in range(p - 1, -1, -1):
+                value = M[c + k] - M[at + W_SHIFT + HALF * side + k]
+                for j in range(k + 1, p):
+                    value -= M[at + W_MIX + HALF * k + j] * M[c + j]
+                M[c + k] = value / M[at + W_MIX + HALF * k + k]
+            if I[shape + 3] == 0 and before > 0:
+                old = z + 2 * WIDTH
+                for k in range(before // 2):
+                    value = M[at + W_KNOWN + HALF * side + k]
+                    for j in range(p):
+                        value += M[at + W_CROSS + HALF * k + j] * M[c + j]
+                    M[old + k] = value
+                for k in range(before // 2):
+                    M[c + k] = M[old + k]
+        if node == last:
+            return
+        node += step
+
+
+@kernel
+def superpose(I, M, slots, store):
+    """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
+    own = own_header(I)
+    sides = own.right_sides
+    meeting = own.meeting
+    if meeting <= 0 or meeting >= slots:
+        meeting = slots - 1
+    status = sweep(I, M, 0, meeting, 1, store)
+    if status != OK:
+        return status
+    if meeting < slots - 1:
+        status = sweep(I, M, slots - 1, meeting, -1, store)
+        if status != OK:
+            return status
+    status = recombine(I, M, meeting, slots, store)
+    if status != OK:
+        return status
+    z = own.work + 4 * WIDTH
+    shape = own.shape + SHAPE_WORDS * meeting
+    p_left = I[shape + 1] // 2
+    p_right = I[shape + 2] // 2
+    if meeting < slots - 1:
+        for side in range(sides):
+            for k in range(p_right):
+                M[z + WIDTH * side + k] = M[own.work + WIDTH * side + p_left + k]
+        return_sweep(I, M, meeting, slots - 2, 1, z, store)
+    for side in range(sides):
+        for k in range(p_left):
+            M[z + WIDTH * side + k] = M[own.work + WIDTH * side + k]
+    return_sweep(I, M, meeting - 1, 0, -1, z, store)
+    return OK

@@ -1,0 +1,1 @@
+"""Point bodies, rigid bodies, free bodies, vessels, and what clamps a line to them."""

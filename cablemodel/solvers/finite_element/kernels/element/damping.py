@@ -1,0 +1,119 @@
+"""Damping by a cable's material: a force D = B d|r'|/dt along it beside the tension T.
+
+Kelvin and Voigt's law. T stays the tension that the strain belongs to, T + D is what the cable
+carries. D has the two modes of T, so that what bends within an element damps nothing.
+
+Cable without bending stiffness bears no pressure: B is less in use from step to step where T
+vanishes, by so much that T + D is not below zero. Where it is pulled taut D comes with T, within
+what tensions may be wrong by.
+"""
+
+from typing import Any
+
+from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    D0,
+    D1,
+    D2,
+    D3,
+    WEIGHT,
+    WEIGHT_P1,
+)
+from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top, rate_words
+from cablemodel.solvers.shared.access import edge_of, header
+from cablemodel.solvers.shared.compile import inlined, kernel, view
+
+
+def damping_kernel(dimension: int, tangents: int) -> Any:
+    """with_damping for elements of this dimension; tangents: the word of the workspace W where
+    those at the Gauss points begin, four words a component."""
+
+    @inlined
+    def with_damping(W, edge, t0, t1, v0, v1):
+        """The modes of T + D in an element, from those of T and the velocities of its ends."""
+        if edge.damping != 0.0:
+            ih = 1.0 / edge.length
+            mean = 0.0
+            slope = 0.0
+            for g in range(3):
+                rate = 0.0
+                for i in range(dimension):
+                    d = dimension + i
+                    along = (v1[i] - v0[i]) * ih * D2[g] + v0[d] * D1[g] + v1[d] * D3[g]
+                    rate += W[tangents + 4 * i + g] * along
+                mean += WEIGHT[g] * rate
+                slope += WEIGHT_P1[g] * rate
+            t0 += edge.damping * mean
+            t1 += 3.0 * edge.damping * slope  # the mean of P1^2 is a third
+        return t0, t1
+
+    return with_damping
+
+
+@kernel
+def strain_rate(I, M, element):
+    """Mean of d|r'|/dt over an element of the state, alone and times P1 [1/s]."""
+    head = header(I)
+    dimension = head.dimension
+    h = edge_of(I, M, element).length
+    parent = I[head.parent + element]
+    q0 = head.position + 2 * dimension * parent
+    q1 = head.position + 2 * dimension * element
+    v0, _a0 = rate_words(I, M, parent)
+    v1, _a1 = rate_words(I, M, element)
+    mean = 0.0
+    slope = 0.0
+    for g in range(3):
+        square = 0.0
+        product = 0.0
+        for i in range(dimension):
+            d = dimension + i
+            stretched = (M[q0 + i] * D0[g] + M[q1 + i] * D2[g]) / h
+            stretched += M[q0 + d] * D1[g] + M[q1 + d] * D3[g]
+            rate = (M[v0 + i] * D0[g] + M[v1 + i] * D2[g]) / h
+            rate += M[v0 + d] * D1[g] + M[v1 + d] * D3[g]
+            square += stretched * stretched
+            product += stretched * rate
+        mean += WEIGHT[g] * product / square**0.5
+        slope += WEIGHT_P1[g] * product / square**0.5
+    return mean, slope
+
+
+@kernel
+def damping_in(I, M, element):
+    """The modes of D in an element of the state [N], and what it takes from the motion [W/m]."""
+    damping = edge_of(I, M, element).damping
+    if damping == 0.0:
+        return 0.0, 0.0, 0.0
+    mean, slope = strain_rate(I, M, element)
+    d0 = damping * mean
+    d1 = 3.0 * damping * slope
+    return d0, d1, d0 * mean + d1 * slope
+
+
+@kernel
+def carried(I, M, element):
+    """Mean of T + D in an element of the state [N]."""
+    d0, _d1, _lost = damping_in(I, M, element)
+    return M[header(I).tension + 2 * element] + d0
+
+
+@kernel
+def update_damping(I, M):
+    """Flexible cable: what of B is in use in the next step, from the state."""
+    head = header(I)
+    if head.payout != 0:
+        count = 2 * head.dimension * head.nodes
+        q = view(M, head.position, count)
+        v = view(M, head.velocity, count)
+        material_top(I, M, q, v, view(M, head.acceleration, count))
+    borne = promised_tension(M)
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        if edge.damping_full == 0.0 or edge.flexible == 0.0 or I[head.joint + node] != 0:
+            continue
+        tension = max(0.0, M[head.tension + 2 * node])
+        edge.damping = edge.damping_full * min(1.0, tension / borne)
+        mean, _slope = strain_rate(I, M, node)
+        if edge.damping * mean < -tension:
+            edge.damping = -tension / mean

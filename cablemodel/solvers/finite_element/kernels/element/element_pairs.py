@@ -1,0 +1,190 @@
+"""What the elements in a plane and in space do alike: sums over pairs, and the constraints.
+
+The Jacobian's sums over the Gauss points stand in rows, one for each pair of shape functions or of
+their slopes, with a word for every pair of components (see tables.py for the pairs).
+"""
+
+from typing import Any
+
+from cablemodel.solvers.finite_element.kernels.element.tables import P1, P2, WD, WEIGHT_P2
+from cablemodel.solvers.finite_element.kernels.line.products import matrix_vector, two_products
+from cablemodel.solvers.shared.access import header
+from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
+from cablemodel.solvers.shared.layout import (
+    ELEMENT_WORDS,
+)
+
+
+@inlined
+def third_tension(W, stretched, edge):
+    """Tension of an element's third strain mode [N]; |r'| at its Gauss points begins at that word
+    of W."""
+    e2 = 0.0
+    for g in range(3):
+        e2 += WEIGHT_P2[g] * (W[stretched + g] - 1.0)
+    return 5.0 * edge.stabilisation * e2 - edge.third_rest
+
+
+def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:
+    """constraint_gradient, add_tension, combine and scatter for elements of this dimension.
+
+    row: words of a row in the workspace W, at least dimension^2. tangents: its word where the
+    tangents at the Gauss points begin, four words a component. sums: its word where the rows
+    begin: 6 pairs of slopes, 10 of loads, 12 of loads and slopes, 3 spare, 16 of the result. Three
+    gradients of four words a component come after them.
+    """
+    second = 4 * dimension
+    size = 2 * dimension
+    SUM_D = sums
+    SUM_H = SUM_D + 6 * row
+    SUM_HD = SUM_H + 10 * row
+    TURNED = SUM_HD + 12 * row
+    BLOCKS = TURNED + 3 * row
+    GRADIENT = BLOCKS + 16 * row
+    if GRADIENT + 3 * second > ELEMENT_WORDS:
+        raise ValueError(f"{GRADIENT + 3 * second} words of {ELEMENT_WORDS} in the workspace")
+
+    @inlined
+    def constraint_gradient(W, h, stored):
+        """Gradients of the constraints and of the stabilising mode by shape function, into W.
+
+        The constraints' are stored by the unknowns too (4 size): rows 0 and 1 for the parent's,
+        then for the child's.
+        """
+        for i in range(dimension):
+            at = GRADIENT + 4 * i
+            for k in range(4):
+                w0 = W[tangents + 4 * i] * WD[0, k]
+                w1 = W[tangents + 4 * i + 1] * WD[1, k]
+                w2 = W[tangents + 4 * i + 2] * WD[2, k]
+                W[at + k] = w0 + w1 + w2
+                W[at + second + k] = w0 * P1[0] + w1 * P1[1] + w2 * P1[2]
+                W[at + 2 * second + k] = w0 * P2[0] + w1 * P2[1] + w2 * P2[2]
+            for c in range(2):
+                to = size * c + i
+                stored[to] = W[at + second * c]
+                stored[to + dimension] = h * W[at + second * c + 1]
+                stored[to + 2 * size] = W[at + second * c + 2]
+                stored[to + 2 * size + dimension] = h * W[at + second * c + 3]
+
+    @inlined
+    def add_tension(W, s00, s01, s11, s22):
+        """Add what condensing T out leaves, and the stabilisation, to the six pairs of slopes."""
+        for i in range(dimension):
+            for a in range(1, 4):
+                at = GRADIENT + 4 * i + a
+                c = s00 * W[at] + s01 * W[at + second]
+                d = s01 * W[at] + s11 * W[at + second]
+                e = s22 * W[at + 2 * second]
+                for j in range(dimension):
+                    pair = SUM_D + dimension * i + j
+                    for b in range(a, 4):
+                        # Pairs (1, 1), (2, 2), (3, 3) are rows 0, 1, 2; (1, 2), (1, 3), (2, 3)
+                        # are rows 3, 4, 5.
+                        to = pair + row * (a - 1 if a == b else a + b)
+                        at = GRADIENT + 4 * j + b
+                        W[to] += c * W[at] + d * W[at + second] + e * W[at + 2 * second]
+
+    @inlined
+    def combine(W, h):
+        """All sixteen pairs of shape functions from the sums, for all pairs of components at once.
+
+        Function 0 has minus the slope of function 2; slope unknowns are scaled by h.
+        """
+        for i in range(dimension):
+            for j in range(dimension):
+                for k in range(3):
+                    to = TURNED + row * k + dimension * i + j
+                    W[to] = W[SUM_D + row * (3 + k) + dimension * j + i]
+        h2 = h * h
+        for p in range(row):
+            k11 = W[SUM_D + p]
+            k22 = W[SUM_D + row + p]
+            k33 = W[SUM_D + 2 * row + p]
+            k12 = W[SUM_D + 3 * row + p]
+            k13 = W[SUM_D + 4 * row + p]
+            k23 = W[SUM_D + 5 * row + p]
+            k21 = W[TURNED + p]
+            k31 = W[TURNED + row + p]
+            k32 = W[TURNED + 2 * row + p]
+            H = SUM_H + p
+            X = SUM_HD + p
+            to = BLOCKS + p
+            W[to] = k22 + W[H] - W[X + row]
+            W[to + row] = h * (W[H + 4 * row] + W[X] - k21)
+            W[to + 2 * row] = W[H + 5 * row] + W[X + row] - k22
+            W[to + 3 * row] = h * (W[H + 6 * row] + W[X + 2 * row] - k23)
+            W[to + 4 * row] = h * (W[H + 4 * row] - W[X + 4 * row] - k12)
+            W[to + 5 * row] = h2 * (k11 + W[H + row] + W[X + 3 * row])
+            W[to + 6 * row] = h * (k12 + W[H + 7 * row] + W[X + 4 * row])
+            W[to + 7 * row] = h2 * (k13 + W[H + 8 * row] + W[X + 5 * row])
+            W[to + 8 * row] = W[H + 5 * row] - W[X + 7 * row] - k22
+            W[to + 9 * row] = h * (k21 + W[H + 7 * row] + W[X + 6 * row])
+            W[to + 10 * row] = k22 + W[H + 2 * row] + W[X + 7 * row]
+            W[to + 11 * row] = h * (k23 + W[H + 9 * row] + W[X + 8 * row])
+            W[to + 12 * row] = h * (W[H + 6 * row] - W[X + 10 * row] - k32)
+            W[to + 13 * row] = h2 * (k31 + W[H + 8 * row] + W[X + 9 * row])
+            W[to + 14 * row] = h * (k32 + W[H + 9 * row] + W[X + 10 * row])
+            W[to + 15 * row] = h2 * (k33 + W[H + 3 * row] + W[X + 11 * row])
+
+    @inlined
+    def scatter(W, above, upper, lower, below):
+        """The sixteen pairs into the blocks of the element's nodes."""
+        for k in range(2):
+            for i in range(dimension):
+                for l in range(2):
+                    for j in range(dimension):
+                        at = size * (dimension * k + i) + dimension * l + j
+                        pair = BLOCKS + row * (4 * k + l) + dimension * i + j
+                        above[at] += W[pair]
+                        upper[at] = W[pair + 2 * row]
+                        lower[at] = W[pair + 8 * row]
+                        below[at] += W[pair + 10 * row]
+
+    return constraint_gradient, add_tension, combine, scatter
+
+
+def constraint_kernels(dimension: int) -> tuple[Any, Any]:
+    """condense and stretch_rate for elements of this dimension."""
+    size = 2 * dimension
+    words = 4 * size
+    add_columns = matrix_vector(size, 1.0, add=True, columns=2)
+    set_products = two_products(size)
+    two_numbers = own_numbers(2)
+
+    @kernel
+    def condense(I, M, out_constraint, out):
+        """Add B^T S (constraint residual) of every element to the forces: T condensed out."""
+        head = header(I)
+        nodes = head.nodes
+        joints = view(I, head.joint, nodes)
+        parents = view(I, head.parent, nodes)
+        gradients = view(M, head.gradient, words * nodes)
+        z = two_numbers()
+        for node in range(1, nodes):
+            if joints[node] != 0:
+                continue
+            s = view(M, head.compliance + 3 * node, 3)
+            r0 = out_constraint[2 * node]
+            r1 = out_constraint[2 * node + 1]
+            z[0] = s[0] * r0 + s[1] * r1
+            z[1] = s[1] * r0 + s[2] * r1
+            add_columns(gradients, words * node, z, 0, 1, out, size * parents[node])
+            add_columns(gradients, words * node + 2 * size, z, 0, 1, out, size * node)
+
+    @kernel
+    def stretch_rate(I, M, x, out):
+        """Gradient B of the constraints times a vector x (nodes, size): out (nodes, 2)."""
+        head = header(I)
+        nodes = head.nodes
+        joints = view(I, head.joint, nodes)
+        parents = view(I, head.parent, nodes)
+        for node in range(1, nodes):
+            if joints[node] != 0:
+                out[2 * node] = 0.0
+                out[2 * node + 1] = 0.0
+                continue
+            B = view(M, head.gradient + words * node, words)
+            set_products(B, x, size * parents[node], size * node, out, 2 * node)
+
+    return condense, stretch_rate

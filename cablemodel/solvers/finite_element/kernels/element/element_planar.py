@@ -1,0 +1,561 @@
+"""Mixed cubic Hermite element in a vertical plane: residual and Jacobian of a whole line.
+
+The same formulas as in element_spatial.py, in the tangent t and the normal n = (-t_z, t_x): the
+curvature k is a number and P = n n^T, which saves a root and most of the products. Node vector
+(x, z, x', z').
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
+from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
+    constraint_kernels,
+    pair_kernels,
+    third_tension,
+)
+from cablemodel.solvers.finite_element.kernels.element.strain import moments_aside
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    D1,
+    D2,
+    D3,
+    E0,
+    E1,
+    E2,
+    E3,
+    H0,
+    H1,
+    H2,
+    H3,
+    LINES_D,
+    LINES_DE,
+    LINES_H,
+    LINES_HD,
+    LOAD,
+    MASS,
+    MASS_PAIRS,
+    P1,
+    P2,
+    WD,
+    WE,
+    WEIGHT,
+    WEIGHT_P1,
+    WH,
+)
+from cablemodel.solvers.finite_element.kernels.line.products import table_product
+from cablemodel.solvers.finite_element.kernels.water.waves import (
+    element_water,
+    wave_loads,
+    wet_rows,
+)
+from cablemodel.solvers.shared.access import edge_of, header, vector
+from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.environment import current_at
+from cablemodel.solvers.shared.layout import (
+    GAUSS_WORDS,
+)
+from cablemodel.solvers.shared.strain import strain_and_slope
+
+# Slots of four words in the Gauss workspace.
+CX, CZ = 0, 4  # water velocity
+G, TX, TZ = 12, 16, 20
+FX, FZ = 28, 32  # conjugate to r
+PX, PZ = 40, 44  # conjugate to r'
+QX, QZ = 52, 56  # conjugate to r''
+R = 64  # element vector
+TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
+JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
+# Rows of four words: the pairs of components xx, xz, zx, zz.
+ROWS = JACOBIAN + 96  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
+ROWS_00, ROWS_01 = ROWS + 48, ROWS + 60
+SUM_D = ROWS + 72  # sums over the Gauss points: the six pairs of PAIRS_D,
+SUM_H = SUM_D + 24  # the ten of PAIRS_H,
+SUM_HD = SUM_H + 40  # the twelve of PAIRS_HD
+
+_product_d = table_product(LINES_D)
+_product_de = table_product(LINES_DE)
+_product_h = table_product(LINES_H)
+_product_hd = table_product(LINES_HD)
+constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
+with_damping = damping_kernel(2, TX)
+condense_planar, stretch_rate_planar = constraint_kernels(2)
+
+
+@inlined
+def element_current(I, M, W, x0, x1, h):
+    """Water velocity at the Gauss points of an element, when it varies over depth."""
+    flow = vector()
+    for g in range(3):
+        height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
+        current_at(I, M, height, flow)
+        W[CX + g] = flow[0]
+        W[CZ + g] = flow[1]
+
+
+@inlined
+def geometry(W, x0, x1, h):
+    """Stretch g and tangent t at the Gauss points."""
+    ih = 1.0 / h
+    ax = (x1[0] - x0[0]) * ih
+    az = (x1[1] - x0[1]) * ih
+    bx = x0[2]
+    bz = x0[3]
+    dx = x1[2]
+    dz = x1[3]
+    for g in range(4):
+        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
+        pz = az * D2[g] + bz * D1[g] + dz * D3[g]
+        s = math.sqrt(px * px + pz * pz)
+        i = 1.0 / s
+        W[G + g] = s
+        W[TX + g] = px * i
+        W[TZ + g] = pz * i
+
+
+@inlined
+def axial_forces(W, t0, t1, t2):
+    """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
+    for g in range(4):
+        tension = t0 + t1 * P1[g] + t2 * P2[g]
+        W[PX + g] = tension * W[TX + g]
+        W[PZ + g] = tension * W[TZ + g]
+
+
+@inlined
+def add_bending_forces(W, x0, x1, h, bending):
+    """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
+    ih2 = 1.0 / (h * h)
+    ih = 1.0 / h
+    ax = (x1[0] - x0[0]) * ih2
+    az = (x1[1] - x0[1]) * ih2
+    bx = x0[2] * ih
+    bz = x0[3] * ih
+    dx = x1[2] * ih
+    dz = x1[3] * ih
+    for g in range(4):
+        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
+        yz = az * E2[g] + bz * E1[g] + dz * E3[g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ig = 1.0 / W[G + g]
+        beta = (yx * tx + yz * tz) * ig
+        k = (yz * tx - yx * tz) * ig
+        c = bending * ig * k
+        W[PX + g] -= c * (k * tx - beta * tz)
+        W[PZ + g] -= c * (k * tz + beta * tx)
+        W[QX + g] = -c * tz
+        W[QZ + g] = c * tx
+
+
+@inlined
+def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
+    """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
+    ax = v0[0]
+    az = v0[1]
+    bx = h * v0[2]
+    bz = h * v0[3]
+    cx = v1[0]
+    cz = v1[1]
+    dx = h * v1[2]
+    dz = h * v1[3]
+    ex = a0[0]
+    ez = a0[1]
+    fx = h * a0[2]
+    fz = h * a0[3]
+    gx = a1[0]
+    gz = a1[1]
+    hx = h * a1[2]
+    hz = h * a1[3]
+    for g in range(4):
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ux = W[CX + g] - (ax * H0[g] + bx * H1[g] + cx * H2[g] + dx * H3[g])
+        uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
+        wx = ex * H0[g] + fx * H1[g] + gx * H2[g] + hx * H3[g]
+        wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
+        root = math.sqrt(W[G + g])
+        ut = ux * tx + uz * tz
+        un = uz * tx - ux * tz
+        along = root * ct * abs(ut) * ut + added * (wx * tx + wz * tz)
+        across = root * cn * abs(un) * un
+        W[FX + g] = across * tz - along * tx
+        W[FZ + g] = -across * tx - along * tz
+
+
+@kernel
+def residual_planar(I, M, q, v, a, tension, out, out_constraint):
+    """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    ends = view(M, head.end_force, 4 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
+    out[0 : 4 * nodes] = 0.0
+    for node in range(1, nodes):
+        if joints[node] != 0:
+            out_constraint[2 * node] = 0.0
+            out_constraint[2 * node + 1] = 0.0
+            continue
+        parent = parents[node]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
+        geometry(W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
+
+        r0 = 0.0
+        r1 = 0.0
+        if edge.strain_terms == 1.0:
+            for g in range(3):
+                r0 += WEIGHT[g] * (W[G + g] - 1.0)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
+            c = edge.compliance
+            r0 -= c * t0
+            r1 -= c * t1 * (1.0 / 3.0)
+        else:
+            for g in range(3):
+                strain, _slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
+                )
+                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            aside0, aside1, _c00, _c01, _c11 = moments_aside(M, edge, t0, t1)
+            r0 -= aside0
+            r1 -= aside1
+        out_constraint[2 * node] = h * r0
+        out_constraint[2 * node + 1] = h * r1
+
+        if bending != 0.0:
+            add_bending_forces(W, x0, x1, h, bending)
+        if waves != 0:
+            wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
+        elif drag != 0:
+            if sheared:
+                element_current(I, M, W, x0, x1, h)
+            load_forces(
+                W,
+                v0,
+                v1,
+                a0,
+                a1,
+                h,
+                edge.drag_normal,
+                edge.drag_tangential,
+                edge.added_mass,
+            )
+
+        mass = edge.mass * h
+        weight = edge.weight * h
+        ih = 1.0 / h
+        above = view(out, 4 * parent, 4)
+        below = view(out, 4 * node, 4)
+        end = view(ends, 4 * node, 4)
+        for i in range(2):
+            p = view(W, PX + 4 * i, 4)
+            a0i = a0[i] * mass
+            a1i = a0[2 + i] * mass * h
+            a2i = a1[i] * mass
+            a3i = a1[2 + i] * mass * h
+            r = view(W, R, 4)
+            for k in range(4):
+                r[k] = (
+                    a0i * MASS[0, k]
+                    + a1i * MASS[1, k]
+                    + a2i * MASS[2, k]
+                    + a3i * MASS[3, k]
+                    + p[0] * WD[0, k]
+                    + p[1] * WD[1, k]
+                    + p[2] * WD[2, k]
+                )
+            if drag != 0:
+                f = view(W, FX + 4 * i, 4)
+                f0 = h * f[0]
+                f1 = h * f[1]
+                f2 = h * f[2]
+                for k in range(4):
+                    r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
+            if bending != 0.0:
+                y = view(W, QX + 4 * i, 4)
+                y0 = y[0] * ih
+                y1 = y[1] * ih
+                y2 = y[2] * ih
+                for k in range(4):
+                    r[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
+            if i == 1:
+                for k in range(4):
+                    r[k] += weight * LOAD[k]
+            above[i] += r[0]
+            above[2 + i] += h * r[1]
+            below[i] += r[2]
+            below[2 + i] += h * r[3]
+            end[i] = -r[0]
+            end[2 + i] = r[2]
+
+
+@inlined
+def tangent_matrices(
+    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+):
+    """Jacobians of the forces at the Gauss points, components along (t, n)."""
+    ih = 1.0 / h
+    ih2 = ih * ih
+    ax = x0[0] * ih2
+    az = x0[1] * ih2
+    bx = x0[2] * ih
+    bz = x0[3] * ih
+    cx = x1[0] * ih2
+    cz = x1[1] * ih2
+    dx = x1[2] * ih
+    dz = x1[3] * ih
+    for g in range(4):
+        ig = 1.0 / W[G + g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        tension = tension0 + tension1 * P1[g] + t2 * P2[g]
+        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
+        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        beta = (yx * tx + yz * tz) * ig
+        k = (yz * tx - yx * tz) * ig
+        c1 = bending * ig * ig * ih
+        c2 = c1 * ih
+        c3 = c2 * ih
+        j = JACOBIAN + 32 + g
+        W[j + TT] = 3.0 * c1 * k * k
+        W[j + TN] = 3.0 * c1 * beta * k
+        W[j + NN] = ih * tension * ig + c1 * (beta * beta - 2.0 * k * k)
+        W[j + 16 + TN] = -2.0 * c2 * k
+        W[j + 16 + NT] = -c2 * k
+        W[j + 16 + NN] = -c2 * beta
+        W[j + 48 + NN] = c3
+    if drag == 0:
+        return
+    for g in range(4):
+        ig = 1.0 / W[G + g]
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[2] * H1[g] + v1[2] * H3[g]))
+        uz = W[CZ + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
+        wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[2] * H1[g] + a1[2] * H3[g])
+        wz = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
+        root = math.sqrt(W[G + g])
+        ut = ux * tx + uz * tz
+        un = uz * tx - ux * tz
+        at = wx * tx + wz * tz
+        an = wz * tx - wx * tz
+        fn = root * cn * abs(un)
+        ft = root * ct * abs(ut)
+        j = JACOBIAN + g
+        W[j + TT] = h * (2.0 * cv * ft - ca * added)
+        W[j + NN] = h * (2.0 * cv * fn)
+        W[j + 16 + TT] = -0.5 * ig * ft * ut
+        W[j + 16 + TN] = -ig * ((2.0 * ft - fn) * un + added * an)
+        W[j + 16 + NT] = -0.5 * ig * fn * un
+        W[j + 16 + NN] = -ig * (ft * ut - 2.0 * fn * ut + added * at)
+
+
+@kernel
+def jacobian_planar(I, M, q, v, a, tension, ca, cv):
+    """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    diagonal = view(M, head.diagonal, 16 * nodes)
+    upper = view(M, head.upper, 16 * nodes)
+    lower = view(M, head.lower, 16 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
+    diagonal[:] = 0.0
+    for node in range(1, nodes):
+        if joints[node] != 0:
+            continue
+        parent = parents[node]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
+        x0 = view(q, 4 * parent, 4)
+        x1 = view(q, 4 * node, 4)
+        a0 = view(a, 4 * parent, 4)
+        a1 = view(a, 4 * node, 4)
+        v0 = view(v, 4 * parent, 4)
+        v1 = view(v, 4 * node, 4)
+        geometry(W, x0, x1, h)
+        if waves != 0:
+            element_water(I, M, W, e, x0, x1)
+        elif drag != 0 and sheared:
+            element_current(I, M, W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        eas = edge.stabilisation
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        tangent_matrices(
+            W,
+            x0,
+            x1,
+            v0,
+            v1,
+            a0,
+            a1,
+            h,
+            pull0,
+            pull1,
+            third_tension(W, G, edge),
+            bending,
+            drag,
+            edge.drag_normal,
+            edge.drag_tangential,
+            edge.added_mass,
+            ca,
+            cv,
+        )
+
+        constraint_gradient(W, h, view(M, head.gradient + 16 * node, 16))
+        c00 = 0.0
+        c01 = 0.0
+        c11 = 0.0
+        if edge.strain_terms == 1.0:
+            c00 = h * edge.compliance
+            c11 = c00 / 3.0
+        else:
+            for g in range(3):
+                _strain, slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
+                )
+                c00 += h * WEIGHT[g] * slope
+                c01 += h * WEIGHT_P1[g] * slope
+                c11 += h * WEIGHT_P1[g] * P1[g] * slope
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            _r0, _r1, d00, d01, d11 = moments_aside(M, edge, t0, t1)
+            c00 += h * d00
+            c01 += h * d01
+            c11 += h * d11
+        determinant = 1.0 / (c00 * c11 - c01 * c01)
+        s00 = c11 * determinant
+        s01 = -c01 * determinant
+        s11 = c00 * determinant
+        stiffness = view(M, head.compliance + 3 * node, 3)
+        stiffness[0] = s00
+        stiffness[1] = s01
+        stiffness[2] = s11
+        s22 = 5.0 * eas / h
+        s00 += cv * edge.damping / h
+        s11 += 3.0 * cv * edge.damping / h
+
+        spread_components(W, bending != 0.0, drag != 0)
+        if waves != 0:
+            wet_rows(I, M, W, e, ROWS_00, ROWS_01, 4, ca)
+        if bending != 0.0:
+            _product_de(W, SUM_D, ROWS, 4)
+        else:
+            _product_d(W, SUM_D, ROWS, 4)
+        add_tension(W, s00, s01, s11, s22)
+        if drag != 0:
+            _product_h(W, SUM_H, ROWS_00, 4)
+            _product_hd(W, SUM_HD, ROWS_01, 4)
+        else:
+            for n in range(40):
+                W[SUM_H + n] = 0.0
+            for n in range(48):
+                W[SUM_HD + n] = 0.0
+        mass = ca * edge.mass * h
+        for n in range(10):
+            W[SUM_H + 4 * n] += mass * MASS_PAIRS[n]
+            W[SUM_H + 4 * n + 3] += mass * MASS_PAIRS[n]
+        combine(W, h)
+        scatter(
+            W,
+            view(diagonal, 16 * parent, 16),
+            view(upper, 16 * node, 16),
+            view(lower, 16 * node, 16),
+            view(diagonal, 16 * node, 16),
+        )
+
+
+@inlined
+def spread_components(W, bends, drags):
+    """Tangent matrices from (t, n) to rows of component pairs."""
+    for g in range(3):
+        tx = W[TX + g]
+        tz = W[TZ + g]
+        xx = tx * tx
+        xz = tx * tz
+        zz = tz * tz
+        s = JACOBIAN + g
+        nn = W[s + 32 + NN]
+        row = ROWS + 4 * g
+        if bends:
+            tt = W[s + 32 + TT]
+            tn = W[s + 32 + TN]
+            across = (tt - nn) * xz + tn * (xx - zz)
+            W[row] = tt * xx - 2.0 * tn * xz + nn * zz
+            W[row + 1] = across
+            W[row + 2] = across
+            W[row + 3] = tt * zz + 2.0 * tn * xz + nn * xx
+            tn = W[s + 48 + TN]
+            nt = W[s + 48 + NT]
+            nn = W[s + 48 + NN]
+            first = nn * zz - (tn + nt) * xz
+            last = nn * xx + (tn + nt) * xz
+            upper = tn * xx - nt * zz - nn * xz
+            lower = nt * xx - tn * zz - nn * xz
+            W[row + 12] = first
+            W[row + 13] = upper
+            W[row + 14] = lower
+            W[row + 15] = last
+            W[row + 24] = first
+            W[row + 25] = lower
+            W[row + 26] = upper
+            W[row + 27] = last
+            nn = W[s + 80 + NN]
+            W[row + 36] = nn * zz
+            W[row + 37] = -nn * xz
+            W[row + 38] = -nn * xz
+            W[row + 39] = nn * xx
+        else:
+            W[row] = nn * zz
+            W[row + 1] = -nn * xz
+            W[row + 2] = -nn * xz
+            W[row + 3] = nn * xx
+        if drags:
+            tt = W[s + TT]
+            nn = W[s + NN]
+            across = (tt - nn) * xz
+            W[row + 48] = tt * xx + nn * zz
+            W[row + 49] = across
+            W[row + 50] = across
+            W[row + 51] = tt * zz + nn * xx
+            tt = W[s + 16 + TT]
+            tn = W[s + 16 + TN]
+            nt = W[s + 16 + NT]
+            nn = W[s + 16 + NN]
+            W[row + 60] = tt * xx - (tn + nt) * xz + nn * zz
+            W[row + 61] = (tt - nn) * xz + tn * xx - nt * zz
+            W[row + 62] = (tt - nn) * xz + nt * xx - tn * zz
+            W[row + 63] = tt * zz + (tn + nt) * xz + nn * xx

@@ -1,0 +1,697 @@
+"""Mixed cubic Hermite element in three dimensions: residual and Jacobian of a whole line.
+
+Unknowns of a node: r, d = r' (6 words). Unknowns of an element: tension T0 + T1 P1(x). Weak form
+
+    int (m a . dr + T t . dr' + bending - loads . dr) ds = 0,   int (|r'| - 1 - strain(T)) dT ds = 0
+
+with t = r'/|r'|. Bending energy EI/2 |t'|^2 per unit of unstretched length, so that the internal
+force along t is exactly T. Loads: Sun & Leonard 1998, eqs. 22 and 23, with u the velocity of the
+water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P y / g, b = t . y.
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
+from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
+    constraint_kernels,
+    pair_kernels,
+    third_tension,
+)
+from cablemodel.solvers.finite_element.kernels.element.strain import moments_aside
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    D1,
+    D2,
+    D3,
+    E0,
+    E1,
+    E2,
+    E3,
+    H0,
+    H1,
+    H2,
+    H3,
+    LINES_D,
+    LINES_DE,
+    LINES_H,
+    LINES_HD,
+    LOAD,
+    MASS,
+    MASS_PAIRS,
+    P1,
+    P2,
+    WD,
+    WE,
+    WEIGHT,
+    WEIGHT_P1,
+    WH,
+)
+from cablemodel.solvers.finite_element.kernels.line.products import table_product
+from cablemodel.solvers.finite_element.kernels.water.waves import (
+    element_water,
+    wave_loads,
+    wet_rows,
+)
+from cablemodel.solvers.shared.access import edge_of, header, vector
+from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.environment import current_at
+from cablemodel.solvers.shared.layout import (
+    GAUSS_WORDS,
+)
+from cablemodel.solvers.shared.strain import strain_and_slope
+
+TINY = 1e-30  # keeps |u_n| from dividing by zero
+
+# Slots of four words in the Gauss workspace.
+CX, CY, CZ = 0, 4, 8  # water velocity
+G, TX, TY, TZ = 12, 16, 20, 24
+FX, FY, FZ = 28, 32, 36  # conjugate to r
+PX, PY, PZ = 40, 44, 48  # conjugate to r'
+QX, QY, QZ = 52, 56, 60  # conjugate to r''
+AX = 64  # element vector: 12 words
+# Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
+ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
+ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
+ROWS_00, ROWS_01 = ROWS + 120, ROWS + 150
+SUM_D = ROWS + 180  # sums over the Gauss points: the six pairs of PAIRS_D,
+SUM_H = SUM_D + 60  # the ten of PAIRS_H,
+SUM_HD = SUM_H + 100  # the twelve of PAIRS_HD
+
+_product_d = table_product(LINES_D)
+_product_de = table_product(LINES_DE)
+_product_h = table_product(LINES_H)
+_product_hd = table_product(LINES_HD)
+constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
+with_damping = damping_kernel(3, TX)
+condense_spatial, stretch_rate_spatial = constraint_kernels(3)
+
+
+@inlined
+def element_current(I, M, W, x0, x1, h):
+    """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
+    flow = vector()
+    for g in range(3):
+        height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
+        current_at(I, M, height, flow)
+        W[CX + g] = flow[0]
+        W[CY + g] = flow[1]
+        W[CZ + g] = flow[2]
+
+
+@inlined
+def geometry(W, x0, x1, h):
+    """Stretch g and tangent t at the Gauss points."""
+    ih = 1.0 / h
+    ax = (x1[0] - x0[0]) * ih
+    ay = (x1[1] - x0[1]) * ih
+    az = (x1[2] - x0[2]) * ih
+    bx = x0[3]
+    by = x0[4]
+    bz = x0[5]
+    dx = x1[3]
+    dy = x1[4]
+    dz = x1[5]
+    for g in range(4):
+        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
+        py = ay * D2[g] + by * D1[g] + dy * D3[g]
+        pz = az * D2[g] + bz * D1[g] + dz * D3[g]
+        s = math.sqrt(px * px + py * py + pz * pz)
+        i = 1.0 / s
+        W[G + g] = s
+        W[TX + g] = px * i
+        W[TY + g] = py * i
+        W[TZ + g] = pz * i
+
+
+@inlined
+def axial_forces(W, t0, t1, t2):
+    """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
+    for g in range(4):
+        tension = t0 + t1 * P1[g] + t2 * P2[g]
+        W[PX + g] = tension * W[TX + g]
+        W[PY + g] = tension * W[TY + g]
+        W[PZ + g] = tension * W[TZ + g]
+
+
+@inlined
+def add_bending_forces(W, x0, x1, h, bending):
+    """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
+    ih2 = 1.0 / (h * h)
+    ih = 1.0 / h
+    ax = (x1[0] - x0[0]) * ih2
+    ay = (x1[1] - x0[1]) * ih2
+    az = (x1[2] - x0[2]) * ih2
+    bx = x0[3] * ih
+    by = x0[4] * ih
+    bz = x0[5] * ih
+    dx = x1[3] * ih
+    dy = x1[4] * ih
+    dz = x1[5] * ih
+    for g in range(4):
+        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
+        yy = ay * E2[g] + by * E1[g] + dy * E3[g]
+        yz = az * E2[g] + bz * E1[g] + dz * E3[g]
+        tx = W[TX + g]
+        ty = W[TY + g]
+        tz = W[TZ + g]
+        ig = 1.0 / W[G + g]
+        b = yx * tx + yy * ty + yz * tz
+        kx = (yx - b * tx) * ig
+        ky = (yy - b * ty) * ig
+        kz = (yz - b * tz) * ig
+        kk = kx * kx + ky * ky + kz * kz
+        c = bending * ig
+        beta = b * ig
+        W[PX + g] -= c * (kk * tx + beta * kx)
+        W[PY + g] -= c * (kk * ty + beta * ky)
+        W[PZ + g] -= c * (kk * tz + beta * kz)
+        W[QX + g] = c * kx
+        W[QY + g] = c * ky
+        W[QZ + g] = c * kz
+
+
+@inlined
+def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
+    """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
+    ax = v0[0]
+    ay = v0[1]
+    az = v0[2]
+    bx = h * v0[3]
+    by = h * v0[4]
+    bz = h * v0[5]
+    cx = v1[0]
+    cy = v1[1]
+    cz = v1[2]
+    dx = h * v1[3]
+    dy = h * v1[4]
+    dz = h * v1[5]
+    ex = a0[0]
+    ey = a0[1]
+    ez = a0[2]
+    fx = h * a0[3]
+    fy = h * a0[4]
+    fz = h * a0[5]
+    gx = a1[0]
+    gy = a1[1]
+    gz = a1[2]
+    hx = h * a1[3]
+    hy = h * a1[4]
+    hz = h * a1[5]
+    for g in range(4):
+        tx = W[TX + g]
+        ty = W[TY + g]
+        tz = W[TZ + g]
+        ux = W[CX + g] - (ax * H0[g] + bx * H1[g] + cx * H2[g] + dx * H3[g])
+        uy = W[CY + g] - (ay * H0[g] + by * H1[g] + cy * H2[g] + dy * H3[g])
+        uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
+        wx = ex * H0[g] + fx * H1[g] + gx * H2[g] + hx * H3[g]
+        wy = ey * H0[g] + fy * H1[g] + gy * H2[g] + hy * H3[g]
+        wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
+        root = math.sqrt(W[G + g])
+        ut = ux * tx + uy * ty + uz * tz
+        nx = ux - ut * tx
+        ny = uy - ut * ty
+        nz = uz - ut * tz
+        un = math.sqrt(nx * nx + ny * ny + nz * nz)
+        fn = root * cn * un
+        along = root * ct * abs(ut) * ut + added * (wx * tx + wy * ty + wz * tz)
+        W[FX + g] = -(fn * nx + along * tx)
+        W[FY + g] = -(fn * ny + along * ty)
+        W[FZ + g] = -(fn * nz + along * tz)
+
+
+@kernel
+def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
+    """Residual of all elements: forces conjugate to (r, d) and constraint residuals.
+
+    out: (nodes, 6); out_constraint: (nodes, 2).
+
+    out is set to zero first; residual = inertia + internal forces - loads, so the force that a
+    support must exert is the residual at its node.
+    """
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    ends = view(M, head.end_force, 6 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
+    out[0 : 6 * nodes] = 0.0
+    for node in range(1, nodes):
+        if joints[node] != 0:
+            out_constraint[2 * node] = 0.0
+            out_constraint[2 * node + 1] = 0.0
+            continue
+        parent = parents[node]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
+        geometry(W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
+
+        r0 = 0.0
+        r1 = 0.0
+        if edge.strain_terms == 1.0:
+            for g in range(3):
+                r0 += WEIGHT[g] * (W[G + g] - 1.0)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
+            c = edge.compliance
+            r0 -= c * t0
+            r1 -= c * t1 * (1.0 / 3.0)
+        else:
+            for g in range(3):
+                strain, _slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
+                )
+                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
+                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            aside0, aside1, _c00, _c01, _c11 = moments_aside(M, edge, t0, t1)
+            r0 -= aside0
+            r1 -= aside1
+        out_constraint[2 * node] = h * r0
+        out_constraint[2 * node + 1] = h * r1
+
+        if bending != 0.0:
+            add_bending_forces(W, x0, x1, h, bending)
+        if waves != 0:
+            wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
+        elif drag != 0:
+            if sheared:
+                element_current(I, M, W, x0, x1, h)
+            load_forces(
+                W,
+                v0,
+                v1,
+                a0,
+                a1,
+                h,
+                edge.drag_normal,
+                edge.drag_tangential,
+                edge.added_mass,
+            )
+
+        mass = edge.mass * h
+        weight = edge.weight * h
+        ih = 1.0 / h
+        above = view(out, 6 * parent, 6)
+        below = view(out, 6 * node, 6)
+        end = view(ends, 6 * node, 6)
+        for i in range(3):
+            p = view(W, PX + 4 * i, 4)
+            a0i = a0[i] * mass
+            a1i = a0[3 + i] * mass * h
+            a2i = a1[i] * mass
+            a3i = a1[3 + i] * mass * h
+            R = view(W, AX, 4)
+            for k in range(4):
+                R[k] = (
+                    a0i * MASS[0, k]
+                    + a1i * MASS[1, k]
+                    + a2i * MASS[2, k]
+                    + a3i * MASS[3, k]
+                    + p[0] * WD[0, k]
+                    + p[1] * WD[1, k]
+                    + p[2] * WD[2, k]
+                )
+            if drag != 0:
+                f = view(W, FX + 4 * i, 4)
+                f0 = h * f[0]
+                f1 = h * f[1]
+                f2 = h * f[2]
+                for k in range(4):
+                    R[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
+            if bending != 0.0:
+                y = view(W, QX + 4 * i, 4)
+                y0 = y[0] * ih
+                y1 = y[1] * ih
+                y2 = y[2] * ih
+                for k in range(4):
+                    R[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
+            if i == 2:
+                for k in range(4):
+                    R[k] += weight * LOAD[k]
+            above[i] += R[0]
+            above[3 + i] += h * R[1]
+            below[i] += R[2]
+            below[3 + i] += h * R[3]
+            end[i] = -R[0]
+            end[3 + i] = R[2]
+
+
+@inlined
+def rank_two(W, row, diagonal, t0, t1, t2, a0, a1, a2, k0, k1, k2, b0, b1, b2):
+    """Row of component pairs: diagonal 1 + t a^T + k b^T."""
+    W[row] = diagonal + t0 * a0 + k0 * b0
+    W[row + 1] = t0 * a1 + k0 * b1
+    W[row + 2] = t0 * a2 + k0 * b2
+    W[row + 3] = t1 * a0 + k1 * b0
+    W[row + 4] = diagonal + t1 * a1 + k1 * b1
+    W[row + 5] = t1 * a2 + k1 * b2
+    W[row + 6] = t2 * a0 + k2 * b0
+    W[row + 7] = t2 * a1 + k2 * b1
+    W[row + 8] = diagonal + t2 * a2 + k2 * b2
+
+
+@inlined
+def tangent_matrices(
+    W,
+    x0,
+    x1,
+    v0,
+    v1,
+    a0,
+    a1,
+    h,
+    tension0,
+    tension1,
+    stabilising,
+    bending,
+    drag,
+    cn,
+    ct,
+    added,
+    ca,
+    cv,
+):
+    """Jacobians of the forces at the Gauss points into the rows A11, A12, A21, A22, A00, A01.
+
+    With c = EI/g^2, beta = b/g, P = 1 - t t^T (derivation in docs/theory.md):
+      A22 = c P; A12 = -c (k t^T + 2 t k^T + beta P), A21 its transpose;
+      A11 = (T/g + c (beta^2 - k.k)) P + c (3 k.k t t^T + 3 beta (k t^T + t k^T) - k k^T).
+    All are a multiple of 1 and two dyads. They are scaled for slopes d h and a length h.
+    """
+    ih = 1.0 / h
+    ih2 = ih * ih
+    for g in range(3):
+        ig = 1.0 / W[G + g]
+        t0 = W[TX + g]
+        t1 = W[TY + g]
+        t2 = W[TZ + g]
+        tension = tension0 + tension1 * P1[g] + stabilising * P2[g]
+        row = ROWS + 10 * g
+        p11 = ih * tension * ig
+        if bending != 0.0:
+            y0 = (x0[0] * E0[g] + x1[0] * E2[g]) * ih2 + (x0[3] * E1[g] + x1[3] * E3[g]) * ih
+            y1 = (x0[1] * E0[g] + x1[1] * E2[g]) * ih2 + (x0[4] * E1[g] + x1[4] * E3[g]) * ih
+            y2 = (x0[2] * E0[g] + x1[2] * E2[g]) * ih2 + (x0[5] * E1[g] + x1[5] * E3[g]) * ih
+            b = y0 * t0 + y1 * t1 + y2 * t2
+            k0 = (y0 - b * t0) * ig
+            k1 = (y1 - b * t1) * ig
+            k2 = (y2 - b * t2) * ig
+            kk = k0 * k0 + k1 * k1 + k2 * k2
+            c = bending * ig * ig * ih
+            beta = b * ig
+            p11 += c * (beta * beta - kk)
+            f = 3.0 * c * kk - p11
+            q = 3.0 * c * beta
+            rank_two(
+                W,
+                row,
+                p11,
+                t0,
+                t1,
+                t2,
+                f * t0 + q * k0,
+                f * t1 + q * k1,
+                f * t2 + q * k2,
+                k0,
+                k1,
+                k2,
+                q * t0 - c * k0,
+                q * t1 - c * k1,
+                q * t2 - c * k2,
+            )
+            c *= ih
+            q = c * beta
+            e0 = c * t0
+            e1 = c * t1
+            e2 = c * t2
+            m0 = q * t0 - c * k0
+            m1 = q * t1 - c * k1
+            m2 = q * t2 - c * k2
+            rank_two(
+                W,
+                row + ROWS_12 - ROWS,
+                -q,
+                t0,
+                t1,
+                t2,
+                m0 - c * k0,
+                m1 - c * k1,
+                m2 - c * k2,
+                k0,
+                k1,
+                k2,
+                -e0,
+                -e1,
+                -e2,
+            )
+            rank_two(
+                W,
+                row + ROWS_21 - ROWS,
+                -q,
+                t0,
+                t1,
+                t2,
+                m0,
+                m1,
+                m2,
+                k0,
+                k1,
+                k2,
+                -2.0 * e0,
+                -2.0 * e1,
+                -2.0 * e2,
+            )
+            c *= ih
+            rank_one(W, row + ROWS_22 - ROWS, c, t0, t1, t2)
+        else:
+            rank_one(W, row, p11, t0, t1, t2)
+        if drag != 0:
+            ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
+            uy = W[CY + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[4] * H1[g] + v1[4] * H3[g]))
+            uz = W[CZ + g] - (v0[2] * H0[g] + v1[2] * H2[g] + h * (v0[5] * H1[g] + v1[5] * H3[g]))
+            wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
+            wy = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[4] * H1[g] + a1[4] * H3[g])
+            wz = a0[2] * H0[g] + a1[2] * H2[g] + h * (a0[5] * H1[g] + a1[5] * H3[g])
+            root = math.sqrt(W[G + g])
+            ut = ux * t0 + uy * t1 + uz * t2
+            n0 = ux - ut * t0
+            n1 = uy - ut * t1
+            n2 = uz - ut * t2
+            un = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+            iun = 1.0 / max(un, TINY)
+            at = wx * t0 + wy * t1 + wz * t2
+            fn = root * cn * un
+            ft = root * ct * abs(ut)
+            # d(-drag)/dv = + dF/du; its parts along 1, n n^T and t t^T.
+            d_p = h * cv * fn
+            d_nn = d_p * iun * iun
+            d_tt = h * (2.0 * cv * ft - ca * added) - d_p
+            rank_two(
+                W,
+                row + ROWS_00 - ROWS,
+                d_p,
+                t0,
+                t1,
+                t2,
+                d_tt * t0,
+                d_tt * t1,
+                d_tt * t2,
+                n0,
+                n1,
+                n2,
+                d_nn * n0,
+                d_nn * n1,
+                d_nn * n2,
+            )
+            # d(-drag - added)/dr': see load_forces; n is normal to t, so t n^T and P suffice.
+            e_p = -ig * (ft * ut - fn * ut + added * at)
+            e_nn = ig * fn * ut * iun * iun
+            e_tn = -ig * (2.0 * ft - fn)
+            # The loads are per unit of unstretched length: root(g) is in fn and ft.
+            along = added * ig
+            e_tt = -0.5 * ig * ft * ut - e_p + along * at
+            e_nt = -0.5 * ig * fn
+            rank_two(
+                W,
+                row + ROWS_01 - ROWS,
+                e_p,
+                t0,
+                t1,
+                t2,
+                e_tt * t0 + e_tn * n0 - along * wx,
+                e_tt * t1 + e_tn * n1 - along * wy,
+                e_tt * t2 + e_tn * n2 - along * wz,
+                n0,
+                n1,
+                n2,
+                e_nt * t0 + e_nn * n0,
+                e_nt * t1 + e_nn * n1,
+                e_nt * t2 + e_nn * n2,
+            )
+
+
+@inlined
+def rank_one(W, row, c, t0, t1, t2):
+    """Row of component pairs: c (1 - t t^T)."""
+    c0 = -c * t0
+    c1 = -c * t1
+    c2 = -c * t2
+    W[row] = c + c0 * t0
+    W[row + 1] = c0 * t1
+    W[row + 2] = c0 * t2
+    W[row + 3] = c1 * t0
+    W[row + 4] = c + c1 * t1
+    W[row + 5] = c1 * t2
+    W[row + 6] = c2 * t0
+    W[row + 7] = c2 * t1
+    W[row + 8] = c + c2 * t2
+
+
+@kernel
+def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
+    """Blocks of d residual/d q + cv d residual/d v + ca d residual/d a, with T condensed out.
+
+    Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
+    blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
+    """
+    head = header(I)
+    W = view(M, head.gauss, GAUSS_WORDS)
+    nodes = head.nodes
+    drag = head.drag
+    sheared = head.depth_count > 1
+    waves = head.wave_count
+    diagonal = view(M, head.diagonal, 36 * nodes)
+    upper = view(M, head.upper, 36 * nodes)
+    lower = view(M, head.lower, 36 * nodes)
+    joints = view(I, head.joint, nodes)
+    parents = view(I, head.parent, nodes)
+    diagonal[:] = 0.0
+    for node in range(1, nodes):
+        if joints[node] != 0:
+            continue
+        parent = parents[node]
+        e = edge_of(I, M, node)
+        edge = e
+        h = edge.length
+        bending = edge.bending
+        x0 = view(q, 6 * parent, 6)
+        x1 = view(q, 6 * node, 6)
+        a0 = view(a, 6 * parent, 6)
+        a1 = view(a, 6 * node, 6)
+        v0 = view(v, 6 * parent, 6)
+        v1 = view(v, 6 * node, 6)
+        geometry(W, x0, x1, h)
+        if waves != 0:
+            element_water(I, M, W, e, x0, x1)
+        elif drag != 0 and sheared:
+            element_current(I, M, W, x0, x1, h)
+        t0 = tension[2 * node]
+        t1 = tension[2 * node + 1]
+        eas = edge.stabilisation
+        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+        tangent_matrices(
+            W,
+            x0,
+            x1,
+            v0,
+            v1,
+            a0,
+            a1,
+            h,
+            pull0,
+            pull1,
+            third_tension(W, G, edge),
+            bending,
+            drag,
+            edge.drag_normal,
+            edge.drag_tangential,
+            edge.added_mass,
+            ca,
+            cv,
+        )
+
+        # Gradient of the constraints, and the compliance.
+        constraint_gradient(W, h, view(M, head.gradient + 24 * node, 24))
+        c00 = 0.0
+        c01 = 0.0
+        c11 = 0.0
+        if edge.strain_terms == 1.0:
+            c00 = h * edge.compliance
+            c11 = c00 / 3.0
+        else:
+            for g in range(3):
+                _strain, slope = strain_and_slope(
+                    M,
+                    t0 + t1 * P1[g],
+                    edge.tension_low,
+                    edge.tension_high,
+                    int(edge.strain_offset),
+                    int(edge.strain_terms),
+                )
+                c00 += h * WEIGHT[g] * slope
+                c01 += h * WEIGHT_P1[g] * slope
+                c11 += h * WEIGHT_P1[g] * P1[g] * slope
+        if t0 < abs(t1) and edge.flexible != 0.0:
+            _r0, _r1, d00, d01, d11 = moments_aside(M, edge, t0, t1)
+            c00 += h * d00
+            c01 += h * d01
+            c11 += h * d11
+        determinant = 1.0 / (c00 * c11 - c01 * c01)
+        s00 = c11 * determinant
+        s01 = -c01 * determinant
+        s11 = c00 * determinant
+        stiffness = view(M, head.compliance + 3 * node, 3)
+        stiffness[0] = s00
+        stiffness[1] = s01
+        stiffness[2] = s11
+        s22 = 5.0 * eas / h
+        s00 += cv * edge.damping / h
+        s11 += 3.0 * cv * edge.damping / h
+
+        if waves != 0:
+            wet_rows(I, M, W, e, ROWS_00, ROWS_01, 10, ca)
+        if bending != 0.0:
+            _product_de(W, SUM_D, ROWS, 10)
+        else:
+            _product_d(W, SUM_D, ROWS, 10)
+        add_tension(W, s00, s01, s11, s22)
+        if drag != 0:
+            _product_h(W, SUM_H, ROWS_00, 10)
+            _product_hd(W, SUM_HD, ROWS_01, 10)
+        else:
+            for n in range(100):
+                W[SUM_H + n] = 0.0
+            for n in range(120):
+                W[SUM_HD + n] = 0.0
+        mass = ca * edge.mass * h
+        for n in range(10):
+            W[SUM_H + 10 * n] += mass * MASS_PAIRS[n]
+            W[SUM_H + 10 * n + 4] += mass * MASS_PAIRS[n]
+            W[SUM_H + 10 * n + 8] += mass * MASS_PAIRS[n]
+        combine(W, h)
+        scatter(
+            W,
+            view(diagonal, 36 * parent, 36),
+            view(upper, 36 * node, 36),
+            view(lower, 36 * node, 36),
+            view(diagonal, 36 * node, 36),
+        )

@@ -1,0 +1,274 @@
+"""The kernels' entry points: all that Python, the FMU and the ROS 2 node call.
+
+Each takes the instance block twice, as int64 (I) and as float64 (M), and returns an int status or
+a count; see layout.py for the codes.
+"""
+
+from numba import float64, int64
+
+from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
+from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
+from cablemodel.solvers.finite_element.kernels.line import system
+from cablemodel.solvers.finite_element.kernels.mesh import follow, refine
+from cablemodel.solvers.finite_element.kernels.outputs import (
+    energies,
+    interface,
+    part_outputs,
+    stations,
+)
+from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
+from cablemodel.solvers.finite_element.kernels.time import promote, statics, stepping, time_stepping
+from cablemodel.solvers.shared import environment
+from cablemodel.solvers.shared.access import header, scalars
+from cablemodel.solvers.shared.compile import INTEGERS, REALS, entry_point
+from cablemodel.solvers.shared.layout import (
+    FLOOR_FAR,
+    NOTHING,
+)
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def step(I, M, t_end, inputs):
+    """Step to t_end [s] with the inputs of stepping.take_step (StepInputs). Returns the status.
+
+    On failure the block's image is as it was.
+    """
+    return stepping.take_step(I, M, t_end, inputs)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def equilibrium(I, M, frame):
+    """Static equilibrium in a frame moving at `frame` (dimension words). Returns the status."""
+    return statics.find_equilibrium(I, M, frame)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def tension_from_stretch(I, M):
+    """Set the tensions that belong to the stretch of the block's positions."""
+    statics.stretch_to_tension(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def stabilise(I, M):
+    """Stabilise what tensions do not hold, by those of a start: returns whether it was changed."""
+    return stabilisation.stabilise(I, M)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def choose_bending(I, M):
+    """Decide whether a hybrid's elements keep bending, and how stiff clamps are."""
+    time_stepping.update_bending(I, M)
+    vessel_clamp.update_springs(I, M, 1.0)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def refine_at_floor(I, M):
+    """Adapt the mesh to the floor once: returns what `follow.follow_floor` does."""
+    head = header(I)
+    if head.floor_state == FLOOR_FAR:
+        return NOTHING
+    return follow.follow_floor(I, M, True, 0)
+
+
+@entry_point(int64(INTEGERS, REALS, int64))
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape: refine.halve_at_rest."""
+    return refine.halve_at_rest(I, M, node)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def place_supports(I, M):
+    """Write the prescribed motion at the present time into the state."""
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    system.set_time(I, M, state.time)
+    system.impose_motion(
+        I,
+        M,
+        state.time,
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+    )
+    return head.constraint_count
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def measure(I, M, facts):
+    """Write what follows from the lengths of the line: scales.measure_line."""
+    scales.measure_line(I, M, facts)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def sample(I, M, places, out):
+    """State at arc lengths [m]; out: rows of STATION_WORDS. Returns how many are on it."""
+    return stations.sample_stations(I, M, places, out)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def bodies(I, M, out):
+    """Motion of bodies of finite length; out: rows of STATION_WORDS, see stations.body_stations."""
+    head = header(I)
+    stations.body_stations(I, M, out)
+    return head.rigid
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def summary(I, M, out):
+    """The numbers of outputs/summary.py (SUMMARY_WORDS)."""
+    summarise(I, M, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def energy(I, M, out):
+    """Energies and powers of the state: see energies.energies (ENERGY_WORDS)."""
+    head = header(I)
+    energies.energies(I, M, out)
+    return head.body_count
+
+
+@entry_point(int64(INTEGERS, REALS, float64, float64))
+def assemble(I, M, cv, ca):
+    """Effective Jacobian K + cv C + ca M at the present state into the block's matrix arrays."""
+    head = header(I)
+    state = scalars(M)
+    size = 2 * head.dimension
+    count = size * head.nodes
+    system.set_time(I, M, state.time)
+    system.jacobian(
+        I,
+        M,
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+        M[head.tension : head.tension + 2 * head.nodes],
+        ca,
+        cv,
+    )
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def residual(I, M, forces, constraint):
+    """What the equations of motion leave at the present state, with the water's acceleration of the
+    time to come: forces conjugate to places and slopes, 2 dimension words a node, and what is left
+    of |r'| = 1 + strain(T), two words a node."""
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    system.set_time(I, M, state.time)
+    environment.current_rate(I, M, state.time, True)
+    system.residual(
+        I,
+        M,
+        M[head.position : head.position + count],
+        M[head.velocity : head.velocity + count],
+        M[head.acceleration : head.acceleration + count],
+        M[head.tension : head.tension + 2 * head.nodes],
+        forces,
+        constraint,
+    )
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def force_rate(I, M, last_step, out):
+    """Time derivative of the force on the vessel: interface.rate_of_force. Uses the block up."""
+    interface.rate_of_force(I, M, last_step, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def force_response(I, M, motion, out):
+    """Change of the force on the vessel with its motion: interface.response_to_motion. Uses the
+    block up."""
+    return interface.response_to_motion(I, M, motion, out)
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def wrenches_when_moved(I, M, length, out):
+    """What lines pull frames with that were moved: interface.wrenches_when_moved. Uses the block
+    up."""
+    return interface.wrenches_when_moved(I, M, length, out)
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS, REALS, REALS, REALS, REALS))
+def drive(I, M, t_end, motion, forces, angles, rates, orders):
+    """Inputs of a system for a step to t_end [s], before `step`.
+
+    motion: a FrameInput for each frame, see frames.drive_frame. forces: outside force [N] and
+    torque [N m] on each free body, earth frame. angles: deflection of each foil [rad]. rates: of
+    each winch whether its rate is given, and that [m/s]. orders: of each cut, whether it is to be
+    made now.
+    """
+    part_outputs.drive_parts(I, M, t_end, motion, forces, angles, rates, orders)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def frame_motion(I, M, motion):
+    """How a system's frames move now: frames.read_frames, a FrameInput of each."""
+    frames.read_frames(I, M, motion)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def sample_elements(I, M, elements, fractions, out):
+    """State at places within elements, by their numbers; out: rows of STATION_WORDS."""
+    part_outputs.element_stations(I, M, elements, fractions, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def tension_ranges(I, M, elements, out):
+    """Lowest and highest tension of elements, by their numbers; out: both of each."""
+    part_outputs.tension_ranges(I, M, elements, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def parts(I, M, bodies, frames):
+    """Motion of bodies and frames, and what lines pull frames with: part_outputs.parts_motion."""
+    head = header(I)
+    part_outputs.parts_motion(I, M, bodies, frames)
+    return head.body_count
+
+
+@entry_point(int64(INTEGERS, REALS))
+def to_three_dimensions(I, M):
+    """Turn a planar model into a three-dimensional one, in place."""
+    promote.promote(I, M)
+    return 0
+
+
+ENTRY_POINTS = {
+    "step": step,
+    "equilibrium": equilibrium,
+    "tension_from_stretch": tension_from_stretch,
+    "stabilise": stabilise,
+    "choose_bending": choose_bending,
+    "refine_at_floor": refine_at_floor,
+    "halve_at_rest": halve_at_rest,
+    "place_supports": place_supports,
+    "measure": measure,
+    "sample": sample,
+    "bodies": bodies,
+    "summary": summary,
+    "energy": energy,
+    "assemble": assemble,
+    "residual": residual,
+    "force_rate": force_rate,
+    "force_response": force_response,
+    "wrenches_when_moved": wrenches_when_moved,
+    "drive": drive,
+    "frame_motion": frame_motion,
+    "sample_elements": sample_elements,
+    "tension_ranges": tension_ranges,
+    "parts": parts,
+    "to_three_dimensions": to_three_dimensions,
+}

@@ -1,0 +1,1 @@
+"""The sea floor: surface, contact, friction, what it remembers."""

@@ -1,0 +1,1 @@
+"""The line as a system of equations, and how it is solved."""

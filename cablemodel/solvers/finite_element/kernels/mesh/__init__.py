@@ -1,0 +1,1 @@
+"""Meshes that change: touchdown, bending, sleep, pay-out, bodies that pass, cuts."""

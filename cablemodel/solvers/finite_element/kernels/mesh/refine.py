@@ -1,0 +1,149 @@
+"""The mesh follows what bends in free water: elements are halved where a cubic does not do.
+
+A cubic element misses a smooth curve by h^4 |r''''| / 384, and r'' jumps by J = h^2 |r''''| / 6
+between two of them: h^2 J / 64 is what it misses. Where a line is pushed, cracks or folds, that
+grows from nothing to hundreds of tau L within a second. Halves become one again, never more than
+they were at the start, once one cubic does for both.
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.mesh.follow import (
+    bend_allowed,
+    finest_flexible,
+    halves_are_even,
+    holds_something,
+    jump_at,
+    may_be_halved,
+    one_cubic_does,
+    position_accuracy,
+)
+from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
+from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
+from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, word_of
+from cablemodel.solvers.shared.compile import kernel, view
+from cablemodel.solvers.shared.layout import (
+    CHANGED,
+    EDGE_WORDS,
+    NO_CAPACITY,
+    NOTHING,
+    OK,
+)
+
+PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
+STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
+
+
+@kernel
+def bends_too_much(I, M, node, jump):
+    """Whether an element's cubic misses more than is allowed; jump: the larger at its ends.
+
+    Cable without bending stiffness that is pushed buckles at the scale of its elements, whatever
+    that is, and let go slack it folds ever finer: there an end is set, sooner under pressure.
+    """
+    edge = edge_of(I, M, node)
+    h = edge.length
+    if edge.bending_full == 0.0 and h < finest_flexible(I, M, node):
+        return False
+    return h * h * jump > bend_allowed(I, M, node)
+
+
+@kernel
+def is_pressed_aside(I, M, node):
+    """Whether an element is pressed so that it would have to bend further within than positions
+    may be wrong by: to get rid of its pressure T at once, by 2 / pi h sqrt(T / EA)."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    q = view(M, head.position, count)
+    tension = view(M, head.tension, 2 * head.nodes)
+    if not is_pressed(I, M, node, q, tension, promised_tension(M)):
+        return False
+    edge = edge_of(I, M, node)
+    bend = 2.0 / math.pi * math.sqrt(-tension[2 * node] * edge.compliance)
+    return bend * edge.length > position_accuracy(I, M, node)
+
+
+@kernel
+def may_unite(I, M, node):
+    """Whether the elements on both sides of a node are halves that may be one.
+
+    None where drag hardly damps: what a join leaves would go on for good. Here r'' may not jump
+    along the line either: the strains of two elements that differ make a mode of the joined one
+    which nothing but its stabilisation holds.
+    """
+    state = scalars(M)
+    if state.undamped != 0.0:
+        return False
+    upper = edge_of(I, M, node)
+    lower = edge_at(M, word_of(M, upper) + EDGE_WORDS)
+    h = upper.length + lower.length
+    return (
+        h <= 1.001 * min(upper.nominal, lower.nominal)
+        and upper.segment == lower.segment
+        and not holds_something(I, M, node)
+        and h * h * jump_at(I, M, node, False) < STRAIGHT * bend_allowed(I, M, node)
+        and one_cubic_does(I, M, node)
+    )
+
+
+@kernel
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape, where the mesh may change: halves are elements from then
+    on. NOTHING, CHANGED, or NO_CAPACITY: the block must grow first."""
+    state = scalars(M)
+    if state.bent == 0.0 or not may_be_halved(I, M, node):
+        return NOTHING
+    if split_edge(I, M, node, 0.5, False) != OK:
+        return NO_CAPACITY
+    for half in range(node, node + 2):
+        edge_of(I, M, half).nominal = edge_of(I, M, half).length
+    state.most_nodes += 1.0
+    return CHANGED
+
+
+@kernel
+def follow_bending(I, M, change):
+    """Whether the shape asks for another mesh; with `change`, halve and join elements for it.
+
+    NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
+    """
+    head = header(I)
+    state = scalars(M)
+    state.bent_after = state.time + PAUSE * state.period
+    nodes = head.nodes
+    jumps = M[head.stage_velocity : head.stage_velocity + nodes + 1]
+    for node in range(nodes):
+        # At the line's ends r'' may be anything.
+        jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0
+    changed = NOTHING
+    node = nodes - 1
+    while node >= 1:
+        if I[head.joint + node] == 0:
+            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or (
+                M[head.tension + 2 * node] < 0.0 and is_pressed_aside(I, M, node)
+            ):
+                if (
+                    head.nodes + head.left_out < state.most_nodes
+                    and may_be_halved(I, M, node)
+                    and halves_are_even(I, M, node)
+                ):
+                    if not change:
+                        return CHANGED
+                    if split_edge(I, M, node, 0.5, False) != OK:
+                        return NO_CAPACITY
+                    changed = CHANGED
+            elif (
+                # Nodes after this one may have been split; those before it are as measured.
+                node > 1
+                and I[head.joint + node - 1] == 0
+                and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
+                and may_unite(I, M, node - 1)
+            ):
+                if not change:
+                    return CHANGED
+                join_at(I, M, node - 1, 1)
+                changed = CHANGED
+                node -= 1
+        node -= 1
+    return changed

@@ -1,0 +1,114 @@
+"""Winches: at what rate lines pass them, until when, and how far a step may go."""
+
+from cablemodel.solvers.finite_element.kernels.mesh.passing import next_mark
+from cablemodel.solvers.shared.access import cable_of, header, scalars, winch_of
+from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.inputs import commanded_rate
+
+FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
+
+
+@kernel
+def first_crossing(gap, rate, slope):
+    """Smallest tau > 0 at which rate tau + slope tau^2 / 2 = gap (gap > 0); 1e300: never."""
+    if slope == 0.0:
+        if rate > 0.0:
+            return gap / rate
+        return 1e300
+    inside = rate * rate + 2.0 * slope * gap
+    if inside < 0.0:
+        return 1e300
+    root = inside**0.5
+    if rate + root <= 0.0:
+        return 1e300
+    return 2.0 * gap / (rate + root)
+
+
+@kernel
+def begin_rate(I, M, n, stop):
+    """Set a winch's rate for the next step; returns the time by which the step must end.
+
+    Rates hold until the next kink of the command, and not beyond the end of the drum or the
+    shortest length: there the rate is clamped to zero until the command turns round. Bodies of
+    finite length are met where their turn comes.
+    """
+    winch = winch_of(I, M, n)
+    time = scalars(M).time
+    rate, slope, until = commanded_rate(I, M, n, time)
+    stop = min(stop, until)
+    if rate == 0.0:
+        sign = slope
+    else:
+        sign = rate
+        if rate * slope < 0.0:
+            zero = time - rate / slope
+            if zero <= time + 1e-12 * (1.0 + abs(time)):
+                sign = slope  # it turns round now: what is left of the rate is round-off
+            elif zero < stop:
+                stop = zero
+    most = winch.travel_most - winch.travel
+    least = winch.travel - winch.travel_least
+    winch.at_limit = 0.0
+    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(winch.travel_most)):
+        winch.at_limit = 1.0
+    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(winch.travel_least)):
+        winch.at_limit = -1.0
+    if winch.at_limit != 0.0:
+        winch.rate = 0.0
+        winch.slope = 0.0
+        return stop
+    winch.rate = rate
+    winch.slope = slope
+    tau = 1e300
+    if sign > 0.0:
+        tau = first_crossing(min(most, next_mark(I, M, n, True)), rate, slope)
+    elif sign < 0.0:
+        tau = first_crossing(min(least, next_mark(I, M, n, False)), -rate, -slope)
+    if tau < 1e299:
+        stop = min(stop, time + tau)
+    return stop
+
+
+@kernel
+def begin_payout(I, M, stop):
+    """Set the rates of all winches for the next step: the time by which it must end, and the
+    largest jumps of a rate [m/s] and of its slope [m/s2]."""
+    jump = 0.0
+    largest = 0.0
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node < 0.0:
+            continue
+        rate = winch.rate
+        slope = winch.slope
+        stop = begin_rate(I, M, n, stop)
+        jump = max(jump, abs(winch.rate - rate))  # one stops dead at an end
+        winch.kink = winch.slope - slope
+        largest = max(largest, abs(winch.kink))
+    return stop, jump, largest
+
+
+@kernel
+def longest_payout_step(I, M, dt):
+    """A step that changes top elements by at most their nominal length, or half of their own.
+
+    What has just begun to come out grows by a multiple of its own length.
+    """
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        rate = abs(winch.rate + 0.5 * winch.slope * dt)
+        rate = max(rate, abs(winch.rate))
+        if rate == 0.0 or winch.node < 0.0:
+            continue
+        nominal = cable_of(I, M, int(winch.cable)).nominal
+        room = min(nominal, FASTEST_GROWTH * winch.top_length)
+        if winch.rate < 0.0 or (winch.rate == 0.0 and winch.slope < 0.0):
+            room = 0.5 * winch.top_length
+        dt = min(dt, room / rate)
+    return dt
+
+
+@kernel
+def paid_since(winch, tau):
+    """What has passed a winch in tau since `time`, at the step's rate [m]."""
+    return tau * (winch.rate + 0.5 * winch.slope * tau)

@@ -1,0 +1,1 @@
+"""What is read of a state: summary, stations, energies, forces, rates."""

@@ -1,0 +1,1 @@
+"""Time: schemes, lengths of steps, tension, slack, what a step gives back."""

@@ -1,0 +1,60 @@
+"""A planar model becomes three-dimensional when something leaves its plane."""
+
+from cablemodel.solvers.finite_element.kernels.time.backup import keep_sleepers
+from cablemodel.solvers.shared.access import constraint_of, header, scalars
+from cablemodel.solvers.shared.compile import kernel
+
+
+@kernel
+def unfold(vector, px, py):
+    """(h, z) becomes (x, y, z) there."""
+    h = vector[0]
+    z = vector[1]
+    vector[0] = px * h
+    vector[1] = py * h
+    vector[2] = z
+
+
+@kernel
+def promote(I, M):
+    """Rewrite positions, velocities, accelerations and constraints from 4 to 6 words a node."""
+    head = header(I)
+    state = scalars(M)
+    if head.dimension == 3:
+        return
+    keep_sleepers(I)
+    px = state.plane[0]
+    py = state.plane[1]
+    for array in range(4):
+        start = head.position
+        if array == 1:
+            start = head.velocity
+        elif array == 2:
+            start = head.acceleration
+        elif array == 3:
+            start = head.rest
+        for node in range(head.nodes - 1, -1, -1):
+            h = M[start + 4 * node]
+            z = M[start + 4 * node + 1]
+            dh = M[start + 4 * node + 2]
+            dz = M[start + 4 * node + 3]
+            to = start + 6 * node
+            M[to] = px * h
+            M[to + 1] = py * h
+            M[to + 2] = z
+            M[to + 3] = px * dh
+            M[to + 4] = py * dh
+            M[to + 5] = dz
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        unfold(row.position, px, py)
+        if row.clamped != 0.0:
+            unfold(row.direction, px, py)
+            unfold(row.place, px, py)
+            unfold(row.away, px, py)
+            unfold(row.drift, px, py)
+            unfold(row.drift_rate, px, py)
+    unfold(state.sleep_place, px, py)
+    head.dimension = 3
+    head.factored = 0
+    head.has_history = 0

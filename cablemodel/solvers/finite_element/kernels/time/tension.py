@@ -1,0 +1,626 @@
+"""The tension of a step: how wrong it is, and what it is where the step is too long to follow it.
+
+Tension follows the line's stretch. Where steps resolve the motion along the line, an error of that
+motion is one of the tension, and adds up from step to step. Where the line is too stiff for its
+steps, the tension holds it at its length: a step finds it from differences of positions, of order 2
+only, but what is wrong there is forgotten by the next step. The matrix of the stages tells one from
+the other: it takes out of the embedded solution's error what the scheme damps.
+
+Where the second kind of error is too large, the tension is solved for from the positions and
+velocities at the step's end: the acceleration meets the second derivative of |r'| = 1 + strain(T)
+in time and the equations of motion, in which the tension is linear. That holds for a line that does
+not ring along itself. One that rings leaves its stages apart, but by its end a long step has damped
+it, and the tension that is solved for is that of the step: such a step is refused.
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    GAMMA,
+    STAGES,
+    TENSION_TEST,
+    UNDERRATED,
+)
+from cablemodel.solvers.finite_element.kernels.line.closures import scale_gaps
+from cablemodel.solvers.finite_element.kernels.line.newton import increment_norm
+from cablemodel.solvers.finite_element.kernels.line.system import (
+    factorise,
+    impose_motion,
+    material_stretch_rate,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
+from cablemodel.solvers.finite_element.kernels.mesh.follow import begins_anew
+from cablemodel.solvers.finite_element.kernels.mesh.payout import set_top_length
+from cablemodel.solvers.finite_element.kernels.time.consistency import vessel_jump
+from cablemodel.solvers.shared.access import (
+    body_of,
+    cable_of,
+    constraint_of,
+    edge_of,
+    free_body_of,
+    header,
+    scalars,
+    winch_of,
+)
+from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
+from cablemodel.solvers.shared.environment import current_rate, surge_jump
+
+PROMISED = 0.5  # of the error of tension that is promised
+SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
+SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
+LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
+FINEST = 0.1  # step times the frequency of the line's axial motion: one that follows it for sure
+UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
+SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
+NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
+STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
+LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
+SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
+APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
+NEARLY = 0.5  # of the longest step whose tensions are not looked at: they say how long the next is
+STAYS = 0.5  # error of a step after which the next one is as long
+RIGID = 1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
+
+
+# What a step does along the line; in a system, where it is refused: that no other one than its
+# tensions' error is too large.
+PASSES_OVER, FOLLOWS, SOLVED, MISSES = 0, 1, 2, 3
+
+
+@kernel
+def tension_tolerance(M):
+    """Error of a step's top tension that is allowed [N]."""
+    return PROMISED * promised_tension(M)
+
+
+@inlined
+def watched(I):
+    """One beyond the last of the elements whose tension is controlled: of one line the top element,
+    1; of a system all."""
+    head = header(I)
+    return 2 if head.parts == 0 else head.nodes
+
+
+@inlined
+def is_watched(I, node):
+    """Whether the tension above that node, of those, is: joints of a system have none."""
+    head = header(I)
+    return head.parts == 0 or I[head.joint + node] == 0
+
+
+@kernel
+def allowed_at(I, M, node):
+    """Error of a step's tension in a watched element that is allowed [N]: in a system by the
+    largest tension of its own line."""
+    if header(I).parts == 0:
+        return tension_tolerance(M)
+    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
+
+
+@kernel
+def keep_stage_tensions(I, M, stage):
+    """Keep the tensions of a step's stage, by its number, of what is watched."""
+    head = header(I)
+    for node in range(1, watched(I)):
+        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
+
+
+@kernel
+def stage_scatter(I, M, node, scheme):
+    """How far the tensions of a step's implicit stages are off a smooth curve [tolerances]."""
+    head = header(I)
+    stages = STAGES[scheme] - 1
+    tension = view(M, head.stage_tensions + 6 * node, 6)
+    worst = 0.0
+    for i in range(stages):
+        missed = 0.0
+        for j in range(stages):
+            missed += TENSION_TEST[scheme, i, j] * tension[j]
+        worst = max(worst, abs(missed))
+    return worst / allowed_at(I, M, node)
+
+
+@kernel
+def stretch_tensions(I, M, x):
+    """What a motion x of the nodes changes of the elements' tensions by stretching them [N], into
+    the workspace of the stages' velocities."""
+    head = header(I)
+    constraint = view(M, head.constraint_residual, 2 * head.nodes)
+    change = view(M, head.stage_velocity, 2 * head.nodes)
+    constraint[:] = 0.0
+    change[:] = 0.0
+    recover_tension(I, M, constraint, x, change, False)
+
+
+@kernel
+def filter_motion(I, M, motion, gamma_dt):
+    """Leave of a motion of the nodes, (nodes, 2, dimension), what the stages' matrix makes of its
+    inertia: all where the step resolves it, 1 / (1 + (omega gamma dt)^2) of what swings. And by
+    `stretch_tensions` what is left in the tensions."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    a = view(M, head.stage_acceleration, count)
+    inverse2 = 1.0 / (gamma_dt * gamma_dt)
+    for n in range(count):
+        a[n] = M[head.trial_acceleration + n] - inverse2 * motion[n]
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    residual(I, M, q, v, a, view(M, head.trial_tension, words), forces, constraint)
+    constraint[:] = 0.0
+    scale_gaps(I, M, 0.0)
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        motion[n] = x[n]
+    stretch_tensions(I, M, x)
+
+
+@outlined
+def find_embedded_errors(I, M, error, gamma_dt):
+    """Errors of the watched tensions by the embedded solution, for `embedded_error`.
+
+    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
+    """
+    head = header(I)
+    filter_motion(I, M, error, gamma_dt)
+    for node in range(1, watched(I)):
+        M[head.stage_tensions + 6 * node + 5] = M[head.stage_velocity + 2 * node]
+    filter_motion(I, M, error, gamma_dt)
+
+
+@kernel
+def embedded_error(I, M, node, scatter):
+    """Error of a watched tension by the embedded solution [tolerances], and its part that lasts.
+
+    scatter: beside which an error is none that is much smaller [tolerances].
+    """
+    head = header(I)
+    allowed = allowed_at(I, M, node)
+    left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
+    again = abs(M[head.stage_velocity + 2 * node]) / allowed
+    return left, min(1.0, again / max(left, NOTHING * scatter))
+
+
+@kernel
+def share_of_ring(M, dt, scheme, share):
+    """Of what is allowed, what a step's embedded error may be of a tension that rings, in a system
+    without winches: elements that pass one make rings of their own, which steps had better damp.
+
+    share: what of that error lasts, 1 / (1 + (w gamma dt)^2), which tells the angle w dt. Errors
+    of a ring add up for 2 / LOSS_FACTOR radians, and are larger than the embedded one by
+    `UNDERRATED` times the angle. What its material ends before a line has moved is left to steps.
+    """
+    angle = math.sqrt(max(0.0, 1.0 / max(share, 1e-6) - 1.0)) / GAMMA[scheme]
+    if 0.5 * LOSS_FACTOR * angle * scalars(M).period > dt:
+        return SHARE
+    angle = max(angle, FINEST)
+    return 0.5 * LOSS_FACTOR * angle / max(1.0, UNDERRATED[scheme] * angle)
+
+
+@kernel
+def is_slack(I, M, first):
+    """Whether the line of a system that begins above a node is slack in a step: pressed somewhere
+    by more than its tensions may be wrong by, or nowhere carries more than that.
+
+    Cable bends aside where it is pressed, and waves along it end there: nothing rings on for as
+    long as a material lets it.
+    """
+    head = header(I)
+    least = 0.0
+    largest = 0.0
+    allowed = 0.0
+    for node in range(first, head.nodes):
+        if node > first and begins_anew(I, node):
+            break
+        if I[head.joint + node] != 0:
+            continue
+        allowed = allowed_at(I, M, node)
+        for n in range(2):
+            tension = M[(head.tension if n == 0 else head.trial_tension) + 2 * node]
+            least = min(least, tension)
+            largest = max(largest, tension)
+    return least < -allowed or largest < allowed
+
+
+@kernel
+def remember_tensions(I, M):
+    """In a system: the largest tension of each cable, by which errors are measured."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            cable = cable_of(I, M, int(edge_of(I, M, node).segment))
+            cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
+
+
+@inlined
+def longest_unwatched(M):
+    """Below this step what one does not follow dies away by the material before a line has moved
+    [s]: what turns by `FINEST` in the step and more."""
+    return FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
+
+
+@inlined
+def dies_within(M, dt):
+    """Whether a step is so short."""
+    return dt < longest_unwatched(M)
+
+
+@inlined
+def is_over_at_once(I, M, dt):
+    """Whether a step of dt need not look at tensions: of one line as it follows all, of a system as
+    what it does not follow dies away."""
+    if header(I).parts != 0:
+        return dies_within(M, dt)
+    return dt * math.sqrt(scalars(M).axial) < FINEST
+
+
+@kernel
+def two_step_error(I, M, dt):
+    """Error of the watched tensions of a two-step step [tolerances], and what it does along the
+    line.
+
+    Where the line is too stiff for it to follow, dt^2 T'' at most, by which the prediction from
+    the last step's rate is off; else half of what the predicted positions stretch it by more or
+    less, which lasts.
+    """
+    head = header(I)
+    if is_over_at_once(I, M, dt):
+        return 0.0, FOLLOWS
+    worst = 0.0
+    along = PASSES_OVER
+    for node in range(1, watched(I)):
+        if not is_watched(I, node):
+            continue
+        final = M[head.trial_tension + 2 * node]
+        predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
+        first = M[head.stage_tensions + 6 * node]
+        lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
+        passed_over = abs(final - predicted)
+        if not passed_over < lasting:
+            along = FOLLOWS
+        worst = max(worst, min(passed_over, lasting) / allowed_at(I, M, node))
+    return worst, along
+
+
+@kernel
+def inertia(I, M):
+    """Mass of all lines and bodies [kg]."""
+    head = header(I)
+    mass = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            edge = edge_of(I, M, node)
+            mass += edge.mass * edge.length
+    for body in range(head.body_count):
+        mass += body_of(I, M, body).mass
+    for body in range(head.free_count):
+        mass += free_body_of(I, M, body).solid[0]
+    return mass
+
+
+@kernel
+def may_be_solved_for(I, M):
+    """Whether tensions can be solved for: of one line, with Hooke's law and no damping, ends that
+    are hinged, and no body of finite length at the tow point."""
+    head = header(I)
+    if head.parts != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing != 0.0):
+        return False
+    for n in range(head.constraint_count):
+        if constraint_of(I, M, n).clamped != 0.0:
+            return False
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            edge = edge_of(I, M, node)
+            if edge.strain_terms != 1.0 or edge.damping != 0.0:
+                return False
+    return True
+
+
+@inlined
+def region(I, n):
+    """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
+    head = header(I)
+    words = 6 * head.capacity
+    if n < 4:
+        return head.stage_velocity + n * words
+    return head.stage_acceleration + (n - 4) * words
+
+
+# These regions: what is solved for, then what that takes.
+SOLVED_Q, SOLVED_V, SOLVED_A, SOLVED_T, SOLVED_RATE, CURVED, STRAINED, SOFTNESS = range(8)
+
+
+@kernel
+def stiffen(I, M, ca):
+    """Make the line all but inextensible in a matrix whose mass is ca times that of the line.
+
+    With each element's own mass a light line with a heavy body would keep a fifth of the error.
+    `soften` gives the compliances of elements and bodies back.
+    """
+    head = header(I)
+    state = scalars(M)
+    soft = RIGID / (ca * inertia(I, M))
+    length = state.length
+    kept = region(I, SOFTNESS)
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        M[kept + node] = edge.compliance
+        if I[head.joint + node] == 0:
+            edge.compliance = soft / length
+    for body in range(head.body_count):
+        row = body_of(I, M, body)
+        M[kept + head.nodes + body] = row.compliance
+        row.compliance = soft
+
+
+@kernel
+def soften(I, M):
+    """Undo `stiffen`."""
+    head = header(I)
+    kept = region(I, SOFTNESS)
+    for node in range(1, head.nodes):
+        edge_of(I, M, node).compliance = M[kept + node]
+    for body in range(head.body_count):
+        row = body_of(I, M, body)
+        row.compliance = M[kept + head.nodes + body]
+
+
+@outlined
+def solve_for_tension(I, M, t, short, q, v, tension):
+    """Tensions and accelerations of a line that does not ring, at time t, from positions and
+    velocities, and what these are then, into the regions SOLVED_...
+
+    q, v: (nodes, 2, dimension), tension: (nodes, 2), near which it is. The region SOLVED_A holds
+    accelerations near those that are looked for, STRAINED the rates of the tensions. short: the
+    matrix is that of a step so long [s]; what is far too quick for it has to follow.
+
+    Returns by how much the top tension, and that of what the velocities stretch the line by, are
+    other ones [tolerances]; negative: there is no answer.
+    """
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    solved_q = view(M, region(I, SOLVED_Q), count)
+    solved_v = view(M, region(I, SOLVED_V), count)
+    a = view(M, region(I, SOLVED_A), count)
+    solved = view(M, region(I, SOLVED_T), words)
+    curved = view(M, region(I, CURVED), words)
+    strained = view(M, region(I, STRAINED), words)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    ca = 1.0 / (short * short)
+    set_time(I, M, t)
+    if t <= state.time + state.smallest_step:
+        current_rate(I, M, t, True)  # as the water goes on
+    for n in range(count):
+        solved_q[n] = q[n]
+        solved_v[n] = v[n]
+    for n in range(words):
+        solved[n] = tension[n]
+        strained[n] += tension[n]
+    impose_motion(I, M, t, solved_q, solved_v, a)
+    stiffen(I, M, ca)
+    failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
+    soften(I, M)
+    head.factored = 0
+    if failed != 0:
+        return -1.0, -1.0
+    # Velocities that stretch the line at the rate at which the tensions change.
+    residual(I, M, q, solved_v, a, strained, forces, curved)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    for n in range(words):
+        curved[n] -= constraint[n]
+    material_stretch_rate(I, M, solved_v, constraint)
+    for n in range(words):
+        constraint[n] += curved[n]
+        curved[n] = 0.0
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    speed, _where = increment_norm(I, M, x)
+    for n in range(count):
+        solved_v[n] += x[n]
+    # The second derivative of |r'|, of a motion without a jerk.
+    step = APART * state.period
+    for k in range(3):
+        ahead = (k - 1) * step
+        for n in range(count):
+            solved_q[n] = q[n] + ahead * (solved_v[n] + 0.5 * ahead * a[n])
+        if head.payout != 0:
+            set_top_length(I, M, t + ahead)
+        residual(I, M, solved_q, solved_v, a, tension, forces, constraint)
+        weight = -2.0 if k == 1 else 1.0
+        for n in range(words):
+            curved[n] += weight * constraint[n]
+    if head.payout != 0:
+        set_top_length(I, M, t)
+    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    scale = short * short / (step * step)
+    for n in range(words):
+        constraint[n] = scale * curved[n]
+    newton_increment(I, M, forces, constraint, x)
+    recover_tension(I, M, constraint, x, solved, False)
+    for n in range(count):
+        a[n] += ca * x[n]
+    # Positions whose stretch has these tensions.
+    residual(I, M, q, solved_v, a, solved, forces, constraint)
+    forces[:] = 0.0
+    newton_increment(I, M, forces, constraint, x)
+    for n in range(count):
+        solved_q[n] = q[n] + x[n]
+    change = abs(solved[2] - tension[2])
+    if not change < 1e300:
+        return -1.0, -1.0
+    allowed = tension_tolerance(M)
+    return change / allowed, inertia(I, M) * math.sqrt(state.axial) * speed / allowed
+
+
+@kernel
+def solve_at_end(I, M, dt):
+    """`solve_for_tension` at the trial after a step of dt: by how much the top tension changes."""
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    copy_words(I, region(I, SOLVED_A), head.trial_acceleration, count)
+    tension = view(M, head.trial_tension, words)
+    rate = view(M, region(I, STRAINED), words)
+    for n in range(words):
+        rate[n] = (tension[n] - M[head.tension + n]) / dt
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    change, _moving = solve_for_tension(I, M, state.time + dt, SHORT * dt, q, v, tension)
+    for n in range(words):
+        solved = M[region(I, SOLVED_T) + n]
+        M[region(I, SOLVED_RATE) + n] = (solved - M[head.tension + n]) / dt
+    return change
+
+
+@kernel
+def begins_smoothly(I, M):
+    """Whether the accelerations of vessel and water go on as they were in the last step."""
+    state = scalars(M)
+    surge, _most = surge_jump(I, M, state.time)
+    return inertia(I, M) * (vessel_jump(I, M) + surge) <= SOLVED_FROM * tension_tolerance(M)
+
+
+@kernel
+def rings(I, M, dt):
+    """Whether the state rings along itself by more than is allowed, as a step of dt begins at
+    whose end tensions have been solved for: they tell the rate at which what rings not changes.
+    """
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    tension = view(M, head.tension, words)
+    rate = view(M, region(I, STRAINED), words)
+    for n in range(words):
+        rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
+    copy_words(I, region(I, SOLVED_A), head.acceleration, count)
+    q = view(M, head.position, count)
+    v = view(M, head.velocity, count)
+    change, moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
+    return not (0.0 <= change and change <= 1.0 and moving <= 1.0)
+
+
+@kernel
+def take_solved(I, M):
+    """Make what was solved for the state: it does not ring."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    copy_words(I, head.position, region(I, SOLVED_Q), count)
+    copy_words(I, head.velocity, region(I, SOLVED_V), count)
+    copy_words(I, head.acceleration, region(I, SOLVED_A), count)
+    copy_words(I, head.tension, region(I, SOLVED_T), 2 * head.nodes)
+    copy_words(I, head.tension_rate, region(I, SOLVED_RATE), 2 * head.nodes)
+    head.settled = 1
+    head.has_history = 0  # the two-step scheme would differentiate what was solved for
+
+
+@kernel
+def gives_way(I, M, tension):
+    """Whether flexible cable bends aside within an element under these tensions: waves along it
+    end there, and nothing rings on."""
+    head = header(I)
+    borne = promised_tension(M)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0 and edge_of(I, M, node).flexible != 0.0:
+            if tension[2 * node] - abs(tension[2 * node + 1]) < -borne:
+                return True
+    return False
+
+
+@kernel
+def bend_of_tension(I, M, dt):
+    """What the top tension changes by in a step of dt, or in the one before it, and twice what
+    that differs by: a bound of its second derivative times the square of dt [tolerances]."""
+    head = header(I)
+    change = M[head.trial_tension + 2] - M[head.tension + 2]
+    before = dt * M[head.tension_rate + 2]
+    largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
+    return largest / tension_tolerance(M)
+
+
+@kernel
+def dies_away(M):
+    """Whether what rings along the line is over before the line has moved, by its material."""
+    state = scalars(M)
+    return state.axial * state.period * state.period > (2.0 / LOSS_FACTOR) ** 2
+
+
+@kernel
+def solves(I, M, dt, scatter):
+    """Whether the tension at the trial could be solved for, as `take_solved` takes it."""
+    state = scalars(M)
+    if bend_of_tension(I, M, dt) > SOLVED_FROM * state.axial * dt * dt:
+        return False  # what the strain's second derivative adds would be seen
+    if not may_be_solved_for(I, M):
+        return False
+    change = solve_at_end(I, M, dt)
+    return 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5)
+
+
+@kernel
+def tension_error(I, M, dt, scheme, gamma_dt, error):
+    """Error of the watched tensions of a step from the state to the trial [tolerances], and what
+    the step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
+    Nothing is solved for in a system.
+
+    error: of the positions, (nodes, 2, dimension) [m].
+    """
+    head = header(I)
+    state = scalars(M)
+    at_once = is_over_at_once(I, M, dt)
+    if at_once and (head.parts == 0 or dt < NEARLY * longest_unwatched(M)):
+        return 0.0, FOLLOWS
+    scatter = 0.0
+    for node in range(1, watched(I)):
+        if is_watched(I, node):
+            scatter = max(scatter, stage_scatter(I, M, node, scheme))
+    if scatter <= UNSEEN:
+        return scatter, PASSES_OVER
+    if head.parts == 0 and state.pressed < 1.0:
+        if gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes)):
+            return 0.0, FOLLOWS
+    if head.parts == 0 and dies_away(M):
+        return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
+    find_embedded_errors(I, M, error, gamma_dt)
+    share = 0.0
+    lasting = 0.0
+    forgotten = 0.0
+    rings_on = False
+    for node in range(1, watched(I)):
+        if head.parts != 0 and head.payout == 0 and (node == 1 or begins_anew(I, node)):
+            rings_on = not is_slack(I, M, node)
+        if is_watched(I, node):
+            scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
+            left, share = embedded_error(I, M, node, scatter)
+            part = share_of_ring(M, dt, scheme, share) if rings_on else SHARE
+            lasting = max(lasting, left * share * share / part)
+            forgotten = max(forgotten, (1.0 - share * share) * scatter)
+    if head.parts != 0:
+        missed = max(lasting, forgotten)
+        if at_once:
+            return min(STAYS, missed), FOLLOWS
+        return missed, MISSES if missed > 1.0 else PASSES_OVER
+    unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
+    if share > STIFF or unseen > SOLVED_FROM or head.rings != 0:
+        return max(lasting, forgotten), FOLLOWS
+    settled = head.settled != 0 and begins_smoothly(I, M)
+    if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):
+        if settled:
+            return lasting, SOLVED
+        if not rings(I, M, dt):
+            solve_at_end(I, M, dt)
+            return lasting, SOLVED
+    return max(lasting, forgotten), PASSES_OVER

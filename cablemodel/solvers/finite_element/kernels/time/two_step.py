@@ -1,0 +1,224 @@
+"""Steps that the caller limits: variable-step BDF2 with, as a rule, one Newton iteration.
+
+At 100 Hz a towed cable is sampled a hundred times more often than its motion needs. The three
+stages of the one-step scheme, and its iterations until nothing changes, are then waste: a
+formula that uses the state one step ago is accurate enough, and a predictor so close that one
+iteration corrects it.
+
+    v = b0 q + b1 q_n + b2 q_(n-1),  a = b0 v + b1 v_n + b2 v_(n-1)
+
+with rho = d_n / d_(n-1), b0 = (1 + 2 rho) / ((1 + rho) d), b1 = -(1 + rho) / d and
+b2 = rho^2 / ((1 + rho) d). The prediction is q_n + d v_n + d^2 a_n / 2; its distance from the
+result, C d^3 q''', is the error's measure. Whatever is not smooth, or does not converge at once,
+is refused here and taken by the one-step scheme, from the same state.
+"""
+
+from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
+from cablemodel.solvers.finite_element.kernels.line.newton import (
+    NO_TENSION,
+    increment_norm,
+    refactor,
+)
+from cablemodel.solvers.finite_element.kernels.line.system import (
+    impose_motion,
+    newton_increment,
+    recover_tension,
+    residual,
+    set_time,
+)
+from cablemodel.solvers.finite_element.kernels.time.tension import watched
+from cablemodel.solvers.shared.access import header, motion_piece_of, scalars
+from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
+from cablemodel.solvers.shared.environment import surge_jump
+
+LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
+LARGEST_ERROR = 0.03  # of the local tolerance: what is left after a natural step is .03^(2/3) of it
+SHORTEST_WAIT, LONGEST_WAIT = 4, 64  # steps by the one-step scheme after a refusal
+CHECK = 16  # steps between measurements of the convergence ratio
+MOST_ITERATIONS = 4
+STALE = 0.25  # convergence ratio that asks for a new factorisation
+
+
+@kernel
+def starts_at_a_kink(I, M, dt):
+    """Whether the vessel's motion or the current has a kink that matters at the present time."""
+    head = header(I)
+    state = scalars(M)
+    surge, _most = surge_jump(I, M, state.time)
+    if surge * dt * dt > 0.1 * state.time_tolerance:
+        return True
+    if head.live != 0:
+        return False
+    k = head.piece
+    if k + 1 >= head.piece_count:
+        return False
+    row = motion_piece_of(I, M, k)
+    if row.end > state.time:
+        return False
+    row = motion_piece_of(I, M, k + 1)
+    return row.velocity_jump > 0.0 or row.acceleration_jump * dt * dt > 0.1 * state.time_tolerance
+
+
+@inlined
+def refuse(I):
+    """Leave the next steps to the one-step scheme, and more of them each time in a row."""
+    head = header(I)
+    rest = min(LONGEST_WAIT, max(SHORTEST_WAIT, 2 * head.two_step_rest))
+    head.two_step_rest = rest
+    head.two_step_wait = rest
+    return False
+
+
+@kernel
+def keep_first_tensions(I, M, tension, constraint):
+    """Tensions of what is watched by the positions that are predicted."""
+    head = header(I)
+    for node in range(1, watched(I)):
+        s = view(M, head.compliance + 3 * node, 3)
+        stretched = s[0] * constraint[2 * node] + s[1] * constraint[2 * node + 1]
+        M[head.stage_tensions + 6 * node] = tension[2 * node] + stretched
+
+
+@kernel
+def try_two_step(I, M, dt):
+    """One BDF2 step from the state to the trial; returns whether it may be accepted.
+
+    The state is as before; the factorisation may be another one.
+    """
+    head = header(I)
+    state = scalars(M)
+    last = state.last_step
+    if head.has_history == 0 or dt > LARGEST_GROWTH * last or last > 2.5 * dt:
+        return False
+    if head.two_step_wait > 0:
+        head.two_step_wait -= 1
+        return False
+    if starts_at_a_kink(I, M, dt):
+        return False
+    count = 2 * head.dimension * head.nodes
+    nodes = head.nodes
+    q0 = view(M, head.position, count)
+    v0 = view(M, head.velocity, count)
+    a0 = view(M, head.acceleration, count)
+    q1 = view(M, head.history, count)
+    v1 = view(M, head.history + count, count)
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
+    t0 = view(M, head.tension, 2 * nodes)
+    rate = view(M, head.tension_rate, 2 * nodes)
+    tension = view(M, head.trial_tension, 2 * nodes)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, 2 * nodes)
+    x = view(M, head.increment, count)
+
+    rho = dt / last
+    gamma_dt = two_step_gamma(M, dt)
+    b0 = 1.0 / gamma_dt
+    b1 = -(1.0 + rho) / dt
+    b2 = rho * rho / ((1.0 + rho) * dt)
+    half = 0.5 * dt * dt
+    for n in range(count):
+        q[n] = q0[n] + dt * v0[n] + half * a0[n]
+        v[n] = b0 * q[n] + b1 * q0[n] + b2 * q1[n]
+        a[n] = b0 * v[n] + b1 * v0[n] + b2 * v1[n]
+    for n in range(2 * nodes):
+        tension[n] = t0[n] + dt * rate[n]
+    set_time(I, M, state.time + dt)
+    impose_motion(I, M, state.time + dt, q, v, a)
+    head.fresh = 0
+    change = state.factored_step / gamma_dt
+    if head.factored == 0 or change < 0.87 or change > 1.15:
+        if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+            return False
+        head.two_step_check = 0
+    # What is left of a step is a force that acts as long as it is left; over a period of the line
+    # it must move it by less than the tolerance.
+    tolerance = state.time_tolerance
+    share = min(1.0, dt / state.period)
+    enough = 0.1 * tolerance * share * share
+    measure = head.two_step_check <= 0
+    previous = 0.0
+    moved = 0.0
+    for iteration in range(MOST_ITERATIONS):
+        residual(I, M, q, v, a, tension, forces, constraint)
+        newton_increment(I, M, forces, constraint, x)
+        head.iterations += 1
+        size, _where = increment_norm(I, M, x)
+        if iteration == 0:
+            keep_first_tensions(I, M, tension, constraint)
+        moved += size
+        if not 0.5 * moved <= LARGEST_ERROR * tolerance:
+            return refuse(I)
+        for n in range(count):
+            q[n] += x[n]
+            v[n] += b0 * x[n]
+            a[n] += b0 * b0 * x[n]
+        tension_change = recover_tension(I, M, constraint, x, tension, True)
+        follow_forces(I, M)
+        largest = 0.0
+        for n in range(1, nodes):
+            largest = max(largest, abs(tension[2 * n]))
+        if iteration > 0:
+            ratio = size / previous if previous > 0.0 else 0.0
+            if size < 1e-3 * enough:
+                ratio = min(ratio, 0.05)  # rounding
+            state.two_step_ratio = max(ratio, 0.01)
+            head.two_step_rest = head.two_step_rest // 2
+            head.two_step_check = CHECK
+            measure = False
+        ratio = state.two_step_ratio
+        if (
+            not measure
+            and ratio < 0.5
+            and ratio * size <= enough
+            and ratio * tension_change <= 1e-4 * max(largest, NO_TENSION * state.tension_scale)
+        ):
+            head.two_step_check -= 1
+            state.largest_tension = max(state.largest_tension, largest)
+            return True
+        if iteration > 0 and ratio > STALE:
+            if head.fresh == 1:
+                break
+            if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
+                return False
+        previous = size
+    return refuse(I)
+
+
+@kernel
+def two_step_gamma(M, dt):
+    """Of a two-step step of dt, what gamma dt is of a one-step step [s]."""
+    state = scalars(M)
+    rho = dt / state.last_step
+    return dt * (1.0 + rho) / (1.0 + 2.0 * rho)
+
+
+@kernel
+def remember(I, M):
+    """Keep the state that a step is about to replace."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    copy_words(I, head.history, head.position, count)
+    copy_words(I, head.history + count, head.velocity, count)
+    head.has_history = 1
+
+
+@kernel
+def accept_two_step(I, M, dt):
+    """The trial becomes the state."""
+    head = header(I)
+    state = scalars(M)
+    remember(I, M)
+    count = 2 * head.dimension * head.nodes
+    before = view(M, head.tension, 2 * head.nodes)
+    after = view(M, head.trial_tension, 2 * head.nodes)
+    rate = view(M, head.tension_rate, 2 * head.nodes)
+    inverse = 1.0 / dt
+    for n in range(2 * head.nodes):
+        rate[n] = (after[n] - before[n]) * inverse
+        before[n] = after[n]
+    copy_words(I, head.position, head.trial_position, count)
+    copy_words(I, head.velocity, head.trial_velocity, count)
+    copy_words(I, head.acceleration, head.trial_acceleration, count)
+    state.last_step = dt

@@ -1,0 +1,1 @@
+"""Water: waves, seas, what is wet, flow along a cable that runs."""

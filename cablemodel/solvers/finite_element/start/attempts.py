@@ -1,0 +1,98 @@
+"""The ways in which a static start is sought, one after the other until one leads to a shape.
+
+Which equilibrium is accepted is the same for all of them; they differ in where the search begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from cablemodel.solvers.finite_element.start import laid_shape, laid_start
+from cablemodel.solvers.finite_element.start.scales import is_flexible
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from cablemodel.scene import Scene
+    from cablemodel.solvers.finite_element.block import Block
+
+    FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """How a static start is sought."""
+
+    as_laid: bool = False
+    """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
+    lies: Block | None = None
+    """What lies stays where it is in this one, at a coarser tolerance or of a stiffer cable."""
+    lets_go: bool = False
+    """What lies stays, but for what pulls at what hangs, see laid_start.let_go."""
+    at_once: bool = False
+    """A lay on its own floor only, not on floors that harden."""
+    comes_up: bool = False
+    """Where a lay is not found at once, its cable gets its momentum bit by bit."""
+    points: FloatArray | None = None
+    """From this polyline (n, 3) [m], instead of a first shape of the search's own."""
+    passing: bool = False
+    """Only the place is wanted where cable lies: whether it stays there is asked at the end."""
+    patient: bool = False
+    """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
+    swept: bool = False
+    """The first shape is that of the other extreme in a current: what hangs between two ends bows
+    where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
+    halved: bool = False
+    """On elements half as long."""
+    hung: bool = False
+    """From where a chain hangs between two held ends, with its bodies (held_line)."""
+    bight: bool = False
+    """From a catenary between two ends that are close to each other, on elements graded to it."""
+
+
+def described(attempt: Attempt) -> str:
+    """What an attempt does, in words."""
+    words = ["with friction that holds what was laid" if attempt.as_laid else "without friction"]
+    words += ["by clamps and floors that are set bit by bit"] * attempt.patient
+    words += ["from where the current draws it"] * attempt.swept
+    words += ["on elements half as long"] * attempt.halved
+    words += ["from where a chain hangs"] * attempt.hung
+    words += ["from a bight"] * attempt.bight
+    words += ["from the points"] * (attempt.points is not None)
+    return ", ".join(words)
+
+
+def attempts(scene: Scene) -> Iterator[Attempt]:
+    """All attempts for a scene, the plainest first."""
+    laid = laid_start.applies(scene)
+    if laid:
+        yield Attempt(as_laid=True)
+    if scene.end.kind == "anchor" and len(scene.line) > 1 and laid_shape.surplus(scene) <= 0.0:
+        yield Attempt(hung=True)
+    yield Attempt()
+    if scene.initial.kind != "static" or laid_shape.surplus(scene) > 0.0:
+        return  # slack to an anchor has no single shape: it must not depend on where one begins
+    swept = scene.environment.current is not None
+    halved = any(cable.elements is None for cable in scene.cables)
+    lay = scene.rate_at_start > 0.0 and scene.end.kind == "free"  # its floor hardens in any attempt
+    if (scene.environment.floor is not None and not lay) or _is_clamped(scene):
+        yield Attempt(patient=True)
+    if swept:
+        yield Attempt(patient=True, swept=True)
+    if halved:
+        yield Attempt(patient=True, halved=True)
+    if swept and halved:
+        yield Attempt(patient=True, swept=True, halved=True)
+    if scene.end.kind == "anchor":
+        yield Attempt(patient=True, bight=True)
+
+
+def _is_clamped(scene: Scene) -> bool:
+    """Whether an end of the line turns a cable that bends."""
+    ends = [(scene.vessel.connection, scene.cables[0])]
+    if scene.end.kind == "anchor":
+        ends.append((scene.end.connection, scene.cables[-1]))
+    return any(end.kind == "clamped" and not is_flexible(scene, cable) for end, cable in ends)

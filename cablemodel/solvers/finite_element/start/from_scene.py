@@ -1,0 +1,372 @@
+"""From a scene to a block at its initial state."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import DrawnStartWarning, StaticsError, TautLayWarning
+from cablemodel.scene.line import Initial
+from cablemodel.scene.sea import sea
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.mesh import line_nodes
+from cablemodel.solvers.finite_element.start import (
+    held_line,
+    laid_loads,
+    laid_shape,
+    laid_start,
+    line_tables,
+    sea_floor,
+    tables,
+    unstable_start,
+    waves,
+)
+from cablemodel.solvers.finite_element.start.attempts import Attempt, attempts, described
+from cablemodel.solvers.finite_element.start.first_shape import (
+    bight,
+    first_points,
+    graded,
+    place_nodes,
+)
+from cablemodel.solvers.finite_element.start.first_state import (
+    count_from_zero,
+    find_initial_state,
+    solve_static,
+    stand_still,
+    steady_velocity,
+)
+from cablemodel.solvers.finite_element.start.frame import vertical_plane
+from cablemodel.solvers.finite_element.start.line import Line, lay_out, spans_of
+from cablemodel.solvers.finite_element.start.refinement import (
+    ROUNDS,
+    guess_of,
+    halved,
+    refine_touchdown,
+    refined,
+    spare_nodes,
+)
+from cablemodel.solvers.finite_element.start.refusals import refuse_unsupported
+from cablemodel.solvers.finite_element.start.scales import start_conditions, tension_scale
+from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
+from cablemodel.solvers.finite_element.start.winch import Winch, winch_of
+from cablemodel.solvers.shared.layout import Header
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+
+FloatArray = NDArray[np.float64]
+
+DRAWN = 0.01
+"""Of the largest tension: more where a lay lands is said."""
+
+
+def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Block:
+    """A block at the scene's initial state, t = 0.
+
+    ``planar``: False forces three dimensions; None and True choose a vertical plane where the
+    scene lies in one. ``room``: lengths of line and drum for which there is room, in units of the
+    scene's. A static start refines the mesh until its shape is accurate.
+
+    Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
+    within `solver.start_time_limit`).
+    """
+    refuse_unsupported(scene)
+    first: StaticsError | None = None
+    with searching(scene) as search:
+        for attempt in _attempts(scene):
+            sought = scene if attempt.points is None and not scene.starts_steady else _steady(scene)
+            built = _built_as_laid if attempt.as_laid else _built_as_lay
+            search.tries(described(attempt))
+            try:
+                found = built(sought, planar, room, attempt)
+                if not attempt.as_laid and laid_start.applies(sought):
+                    _say_if_drawn(found, sought)
+                if laid_loads.becomes_taut(sought):
+                    needed = laid_loads.lay_rate(sought)
+                    warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
+                _unfold(found, scene, planar)
+                return found
+            except OutOfTimeError:
+                points = ", or start from initial: {straight: ...} or {points: ...}"
+                raise search.gives_up(what_is_hard(scene), points) from None
+            except StaticsError as problem:
+                if not attempt.as_laid:  # without friction it may come to rest
+                    first = first or problem
+    assert first is not None
+    raise first
+
+
+def _say_if_drawn(block: Block, scene: Scene) -> None:
+    """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
+    if scene.rate_at_start <= 0.0 or not block.scalars.laid:
+        return
+    hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
+    tension = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
+    lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
+    if abs(tension[lands]) > DRAWN * tension.max():
+        warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
+
+
+def _attempts(scene: Scene) -> Iterator[Attempt]:
+    """All attempts for a scene; of points that take a steady motion, those from them last."""
+    if not scene.starts_steady:
+        yield from attempts(scene)
+        return
+    steady = _steady(scene)
+    yield from attempts(steady)
+    points = np.asarray(scene.initial.points, dtype=np.float64)
+    if laid_start.applies(steady):
+        yield Attempt(as_laid=True, points=points)
+    yield Attempt(points=points)
+
+
+def _steady(scene: Scene) -> Scene:
+    """The scene with a static start in place of points that take a steady motion."""
+    return scene.model_copy(update={"initial": Initial.model_validate("static")})
+
+
+def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+    """What friction holds, from where it lies at coarser tolerances."""
+    coarser = laid_start.coarser(scene)
+    if coarser is None:
+        return _built_as_lay(scene, planar, room, attempt)
+    lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
+    try:
+        return _built(scene, planar, room, replace(attempt, lies=lies))
+    except StaticsError:
+        return _built(scene, planar, room, attempt)  # anew, from the first shape
+
+
+def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+    """What a lay has laid: at once; or of cable that gets its momentum bit by bit, where that is
+    large; or from cable that bends less and less so; or from where it lies on a floor that is
+    softer, at a coarser tolerance."""
+    if laid_start.outruns_its_foot(scene):
+        with contextlib.suppress(StaticsError):
+            return _built(scene, planar, room, replace(attempt, at_once=True, comes_up=True))
+    softer = laid_start.on_softer_floor(scene)
+    try:
+        return _built_from_stiffer(scene, planar, room, attempt, patient=softer is None)
+    except StaticsError:
+        if softer is None:
+            raise
+        lies = _built_as_lay(softer, planar, 1.0, replace(attempt, passing=True))
+    return _built(scene, planar, room, replace(attempt, lies=lies, at_once=True))
+
+
+def _built_from_stiffer(
+    scene: Scene, planar: bool | None, room: float, attempt: Attempt, *, patient: bool
+) -> Block:
+    """A lay at once, or from cable that bends less and less so; patient: the stiffest of them on
+    floors that harden.
+
+    Where the layer in which a cable bends on to the floor is thin beside the line, a first shape
+    is far from rest: what it lacks pushes what lies, and that folds. A stiffer one does not; where
+    it lies thinner ones stay.
+    """
+    layers = laid_start.stiffer_layers(scene)
+    if not layers:
+        return _built(scene, planar, room, attempt)
+    at_once = replace(attempt, at_once=True)
+    try:
+        return _built(scene, planar, room, at_once)
+    except StaticsError:
+        pass
+    layer, own = layers
+    step = laid_start.STEP_OF_LAYER
+    stiff = partial(laid_start.stiffer, scene)
+    stiffest = replace(attempt if patient else at_once, passing=True)
+    lies = _built(stiff(layer), planar, 1.0, stiffest)
+    while True:
+        thinner = max(own, layer / step)
+        try:
+            if thinner == own:
+                return _built(scene, planar, room, replace(at_once, lies=lies))
+            lies = _built(stiff(thinner), planar, 1.0, replace(at_once, lies=lies, passing=True))
+            layer = thinner
+        except StaticsError:
+            step = math.sqrt(layer / thinner)
+            if step < laid_start.SMALLEST_STEP_OF_LAYER:
+                raise
+
+
+def _built(
+    scene: Scene,
+    planar: bool | None,
+    room: float,
+    attempt: Attempt,
+) -> Block:
+    scale = tension_scale(scene)
+    hangs = hung = None
+    if attempt.lies is not None:
+        guess = guess_of(attempt.lies, scene)
+    elif attempt.points is not None:
+        guess = laid_shape.Guess(attempt.points)
+    else:
+        position = scene.motion().evaluate(0.0)[0]
+        hung = held_line.hung(scene, position) if attempt.hung else None
+        points = first_points(scene, position, swept=attempt.swept)
+        hangs = bight(scene, position) if attempt.bight else None
+        if hangs is not None:
+            points = hangs.points
+        guess = hung or laid_shape.on_floor(scene, points, drawn=attempt.swept)
+    points = guess.points
+    sea_floor.check(scene, points)
+    nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
+    if hangs is not None:
+        nodes = graded(scene, nodes, hangs.bends, hangs.layers)
+    if hung is not None:
+        nodes = held_line.graded(scene, nodes, hung)
+    nodes = laid_shape.refine_guess(scene, nodes, guess)
+    nodes = waves.refine(scene, nodes, points)
+    if attempt.halved:
+        nodes = halved(scene, nodes)
+    find = partial(find_initial_state, scene=scene, attempt=attempt)
+    build_on = partial(_build_on, scene, scale=scale, planar=planar, room=room)
+    if scene.initial.kind != "static":
+        return build_on(nodes, guess, find=find)
+
+    stays = attempt.as_laid and scene.rate_at_start > 0.0 and not laid_loads.is_dragged(scene)
+
+    def finer_block(nodes: list[FloatArray], block: Block) -> Block:
+        """On more nodes, from a block; what has been laid stays where it is in that."""
+        guess = guess_of(block, scene)
+        if stays:
+            held = partial(find, attempt=replace(attempt, lies=block))
+            try:
+                return build_on(nodes, guess, find=held)
+            except StaticsError:
+                pass  # it is laid anew
+        return build_on(nodes, guess, find=find)
+
+    def start(nodes: list[FloatArray], guess: laid_shape.Guess) -> Block:
+        block = build_on(nodes, guess, find=find)
+        for _round in range(ROUNDS):
+            finer = refined(block, scene, nodes)
+            if finer is None:
+                break
+            try:
+                block = finer_block(finer, block)
+            except StaticsError:
+                if not stays:
+                    raise
+                break  # what has been laid is at rest on the mesh before it
+            nodes = finer
+        refine_touchdown(block, scene, attempt)
+        if stays:
+            frame = steady_velocity(block, scene)
+            solve_static(block, scene, frame, replace(attempt, lets_go=True))
+            count_from_zero(block)
+        return block
+
+    stand = partial(build_on, find=partial(stand_still, scene=scene))
+    ways = unstable_start.Ways(stand, start, in_place=attempt.as_laid)
+    found = start(nodes, guess)
+    return found if attempt.passing else unstable_start.left(found, scene, ways)
+
+
+def _build_on(
+    scene: Scene,
+    nodes: list[FloatArray],
+    guess: laid_shape.Guess,
+    *,
+    scale: float,
+    planar: bool | None,
+    room: float,
+    find: Callable[[Block], None],
+) -> Block:
+    """A block on given nodes, from a first guess of its shape.
+
+    nodes: arc lengths of the nodes of every cable [m], each from 0 to its length. find: brings the
+    block to its first state, from that shape.
+    """
+    from cablemodel.solvers import library as entry
+
+    line = lay_out(scene, nodes)
+    winch = winch_of(scene, line, room)
+    kept = winch.extra_nodes + sea_floor.spare_nodes(scene)
+    bends = spare_nodes(scene, line.nodes, room)
+    block = _allocate(scene, line, winch, kept + bends)
+    block.scalars.most_nodes = line.nodes + bends
+    _choose_frame(block, scene, guess.points, planar)
+    block.header.nodes = line.nodes
+    tables.fill_settings(block, scene)
+    tables.fill_motion(block, scene.motion().pieces)
+    entry.measure(block.ints, block.reals, tables.facts_of(scene, scale))
+    tables.fill_current(block, scene)
+    line_tables.fill_cables(block, scene, winch, scale)
+    line_tables.fill_edges(block, scene, line)
+    tables.fill_payout(block, scene, winch)
+    line_tables.fill_bodies(block, scene, line, scale)
+    tables.fill_constraints(block, scene, line)
+    place_nodes(block, line, guess, scene.line_length)
+    sea_floor.fill(block, scene)
+    if scene.environment.floor is not None:
+        block.scalars.laid = laid_loads.laid(scene)
+    waves.fill(block, sea(scene), scene.solver.tolerance)
+    sea_floor.place_of_rest(block, scene)
+    find(block)
+    return block
+
+
+def _clamps(scene: Scene) -> list[FloatArray]:
+    """Directions of the clamps (3,)."""
+    ends = scene.vessel.connection, scene.end.connection
+    return [np.asarray(end.direction, dtype=float) for end in ends if end.kind == "clamped"]
+
+
+def _unfold(block: Block, scene: Scene, planar: bool | None) -> None:
+    """Into space, where a start was sought in its plane and the scene leaves that. In space a lay
+    that hangs in a plane folds out of it on its way to where it lies."""
+    from cablemodel.solvers import library as entry
+
+    if block.header.dimension == 3:
+        return
+    plane = np.array([*block.scalars.plane, 0.0])
+    if planar is False or vertical_plane(scene, [plane, *_clamps(scene)]) is None:
+        entry.to_three_dimensions(block.ints, block.reals)
+        entry.place_supports(block.ints, block.reals)
+
+
+def _allocate(scene: Scene, line: Line, winch: Winch, spare: int) -> Block:
+    """A block of zeros with room for the line, and for the nodes that a run may add to it."""
+    current = scene.environment.current
+    water = sea(scene)
+    return Block(
+        capacity=line.nodes + spare,
+        pieces=1 + len(scene.motion().pieces),
+        depths=1 if current is None else len(current.z),
+        times=1 if current is None else len(current.t),
+        strain_words=sum(
+            len(scene.cable_types[cable.type].strain_coefficients) for cable in winch.cables
+        ),
+        bodies=len(line.bodies),
+        constraints=2 if scene.end.kind == "anchor" else 1,
+        rates=len(scene.payout.rate),
+        cables=len(winch.cables),
+        floor_words=sea_floor.table_words(scene.environment.floor),
+        waves=0 if water is None else len(water.amplitude),
+        cell_terms=waves.cell_terms(water),
+        winches=1,
+        lines=1,
+    )
+
+
+def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool | None) -> None:
+    """The block's coordinates: in the scene's vertical plane or in space, from the tow point."""
+    position = scene.motion().evaluate(0.0)[0]
+    directions = [p - position for p in points] + _clamps(scene)
+    plane = None if planar is False else vertical_plane(scene, directions)
+    if plane is None and laid_start.is_lay(scene):
+        plane = vertical_plane(scene, directions, start=True)
+    block.header.dimension = 3 if plane is None else 2
+    block.scalars.origin = position
+    block.scalars.plane = (1.0, 0.0) if plane is None else plane

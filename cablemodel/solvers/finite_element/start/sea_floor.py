@@ -1,0 +1,307 @@
+"""A scene's sea floor for the kernels: heights, stiffness, friction at the start, checks."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import SceneError
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars
+
+if TYPE_CHECKING:
+    from cablemodel.scene import Scene
+    from cablemodel.scene.common import CableScene
+    from cablemodel.scene.environment import Floor
+    from cablemodel.scene.line import Cable, CableType
+
+FloatArray = NDArray[np.float64]
+
+DEPTH = 0.06
+"""Gap below which the floor pushes, in units of tau L."""
+LYING = 0.2277
+"""Of that: cable that is no higher lies (kernels/floor/contact.py)."""
+BRISTLE = 0.02
+"""Way along the floor after which friction is mobilised, in units of tau L."""
+SHARPEST = 1.2, 0.003
+"""Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
+tau times the height from which it hangs, and of that height: their sum. Folds of slack cable push
+back with some four times its weight. Without the second part they take more time than there is,
+and shallow lays do not start."""
+LOWEST = 0.2
+"""Of the line's length: least height that it is taken to hang from. Longer ones hang at less than
+12 degrees, or lie: with less their starts took up to 20 s."""
+UNFOLDING = 1.2, 0.003
+"""Layer from which on a lay does not fold on the way to its start, in units of tau L, and of L."""
+SPARE = 40, 30
+"""Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
+
+
+def contact_weight(kind: CableType, gravity: float) -> float:
+    """Weight per length that the floor's preload carries [N/m]; small for a cable that floats."""
+    return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
+
+
+def hanging_height(scene: CableScene) -> float:
+    """Height over the floor from which a line hangs at the start that a winch pays out to a free
+    end [m]; of others, which lay no slack, their length."""
+    x, y, z = scene.place
+    length = scene.line_length
+    floor = scene.environment.floor
+    payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
+    if floor is None or payout is None or not payout.drum or end is None or end.kind != "free":
+        return length
+    height = z - floor.height(x, y)
+    return min(max(height, LOWEST * length), length)
+
+
+def least_bending(scene: CableScene, kind: CableType) -> float:
+    """Bending stiffness that a perfectly flexible cable gets where it is slack [N m2].
+
+    Its motion is not well posed where it folds without tension: it takes the shape that bending
+    gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
+    layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
+    """
+    layer = hanging_height(scene) * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
+    return contact_weight(kind, scene.environment.gravity) * layer**3
+
+
+def unfolding_layer(scene: CableScene) -> float:
+    """Touchdown layer of cable that does not fold on the way to the start of a lay [m]."""
+    return scene.line_length * (UNFOLDING[0] * scene.solver.tolerance + UNFOLDING[1])
+
+
+def touchdown_layer(scene: CableScene, cable: Cable) -> float:
+    """Length over which bending spreads a touchdown, (EI/w)^(1/3) [m]."""
+    kind = scene.cable_types[cable.type]
+    bending = 0.0 if cable.model == "cable" else kind.bending_stiffness
+    bending = bending or least_bending(scene, kind)
+    return math.cbrt(bending / contact_weight(kind, scene.environment.gravity))
+
+
+def spare_nodes(scene: Scene) -> int:
+    """Nodes that refinement at the touchdown may need."""
+    if scene.environment.floor is None:
+        return 0
+    longest = scene.line_length + sum(
+        item.cable.length for item in scene.payout.drum if item.cable is not None
+    )
+    halvings = math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
+    return SPARE[0] + SPARE[1] * halvings + _nodes_over_ridges(scene, longest)
+
+
+def _nodes_over_ridges(scene: Scene, longest: float) -> int:
+    """Nodes of a line of this length that lies on a depth table all along.
+
+    There h^2 times the jump of curvature stays below tau L (kernels/mesh/follow.py); from one cubic
+    of the table to the next the curvature may jump by twice the sharpest.
+    """
+    floor = scene.environment.floor
+    if floor is None or floor.z is not None:
+        return 0
+    x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
+    bend = _sharpest(x, z, _slopes(x, z)) + _sharpest(y, z.T, _slopes(y, z.T))
+    if bend == 0.0:
+        return 0
+    element = math.sqrt(scene.solver.tolerance * scene.line_length / (2.0 * bend))
+    return math.ceil(longest / max(element, finest_element(scene)))
+
+
+def finest_element(scene: Scene) -> float:
+    """Length of the smallest element that the touchdown may ask for [m]."""
+    return at.LAYER * thinnest_layer(scene)
+
+
+def thinnest_layer(scene: CableScene) -> float:
+    """Length over which bending spreads the sharpest touchdown of a scene's cables [m]."""
+    return min(touchdown_layer(scene, cable) for cable in _all_cables(scene))
+
+
+def _all_cables(scene: CableScene) -> list[Cable]:
+    """Those that are out, and those on a drum."""
+    payout = getattr(scene, "payout", None)
+    drum = () if payout is None else payout.drum
+    return [*scene.cables, *(item.cable for item in drum if item.cable is not None)]
+
+
+def contact_depth(scene: CableScene) -> float:
+    """Gap below which the floor pushes [m]."""
+    return DEPTH * scene.solver.tolerance * scene.line_length
+
+
+def bristle_length(scene: CableScene) -> float:
+    """Way along the floor after which friction is mobilised [m]."""
+    return BRISTLE * (scene.solver.tolerance * scene.line_length)
+
+
+def table_words(floor: Floor | None) -> int:
+    """Words of the floor's table in a block."""
+    if floor is None or floor.z is not None:
+        return 0
+    nx, ny = len(floor.grid_x), len(floor.grid_y)
+    return nx + ny + 4 * nx * ny
+
+
+def fill(block: Block, scene: CableScene) -> None:
+    """Write floor, contact and friction into a block."""
+    floor = scene.environment.floor
+    if floor is None:
+        return
+    ints, reals = block.ints, block.reals
+    head = Header(ints)
+    state = Scalars(reals)
+    state.floor_depth = contact_depth(scene)
+    state.end_support = 1.0
+    state.bristle = bristle_length(scene)
+    state.friction = floor.friction
+    head.sleep = int(floor.friction > 0.0)
+    head.floor_state = at.FLOOR_TOUCHED  # until it is known where the line is
+    state.floor_damping = _damping(scene)
+    if floor.z is not None:
+        head.floor_kind = at.FLOOR_PLANE
+        state.floor_plane = (floor.z, *floor.slope, *floor.at)
+        state.floor_top = 1e300 if any(floor.slope) else floor.z
+        return
+    head.floor_kind = at.FLOOR_TABLE
+    x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
+    head.floor_columns, head.floor_rows = len(x), len(y)
+    along_x = _slopes(x, z)
+    along_y = _slopes(y, z.T).T
+    both = _slopes(y, along_x.T).T
+    words = block.array(Header.floor, table_words(floor))
+    words[:] = np.concatenate([x, y, np.stack([z, along_x, along_y, both], axis=-1).ravel()])
+    state.floor_top = float(z.max() + 0.05 * np.ptp(z))
+    bend = _sharpest(x, z, along_x) + _sharpest(y, z.T, along_y.T)
+    state.floor_bend = bend / 8.0
+
+
+def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:
+    """Slopes of a C1 cubic through the rows of z over x that overshoots nowhere (PCHIP)."""
+    if len(x) < 2:
+        return np.zeros_like(z)
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(x, z, axis=0).derivative()(x), dtype=np.float64)
+
+
+def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
+    """Largest second derivative along x of the cubics with these values and slopes."""
+    if len(x) < 2:
+        return 0.0
+    h = np.diff(x)[:, None]
+    chord = np.diff(z, axis=0) / h
+    first = (6.0 * chord - 4.0 * slope[:-1] - 2.0 * slope[1:]) / h
+    last = (2.0 * slope[:-1] + 4.0 * slope[1:] - 6.0 * chord) / h
+    return float(max(np.abs(first).max(), np.abs(last).max()))
+
+
+def _damping(scene: CableScene) -> float:
+    """By how much the floor's force grows per speed of approach [s/m]; by default one over the
+    speed at which the cable sinks: it rings little when it lands."""
+    floor = scene.environment.floor
+    if floor is not None and floor.damping is not None:
+        return floor.damping
+    rho = scene.environment.water_density
+    speeds = []
+    for cable in scene.cables:
+        kind = scene.cable_types[cable.type]
+        weight = contact_weight(kind, scene.environment.gravity)
+        drag = rho * kind.drag_normal * kind.diameter
+        speeds.append(math.sqrt(2.0 * weight / drag) if drag > 0.0 else 1.0)
+    return 1.0 / max(speeds)
+
+
+def place_of_rest(block: Block, scene: Scene) -> None:
+    """Where friction holds the cable at the start: where it was laid, without tension.
+
+    An anchored cable was laid from its anchor towards the vessel, and then pulled: friction holds
+    back what has stretched. Elsewhere the first shape is the place of rest.
+    """
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
+    rest = block.array(Header.rest, nodes, 2 * dimension)
+    rest_where_it_is(block)
+    if scene.end.kind != "anchor" or scene.initial.kind != "static":
+        return
+    edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
+    arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length]
+    way = q[0, :dimension] - q[-1, :dimension]
+    way[dimension - 1] = 0.0
+    size = float(np.linalg.norm(way))
+    if size > 0.0:
+        rest[:, :dimension] = q[-1, :dimension] + np.outer(arcs[-1] - arcs, way / size)
+        rest[:, dimension:] = -way / size
+
+
+def rest_where_it_is(block: Block) -> None:
+    """Make the present positions and slopes those of rest: no friction yet."""
+    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
+    q = block.array(Header.position, nodes, 2 * dimension)
+    block.array(Header.rest, nodes, 2 * dimension)[:] = q
+
+
+def check(scene: Scene, points: FloatArray) -> None:
+    """Refuse what is below the floor at the start, or beyond the edge of its table.
+
+    Raises SceneError naming the place, its height and that of the floor.
+    """
+    floor = scene.environment.floor
+    if floor is None:
+        return
+    margin = 1e-6 * scene.line_length
+    if floor.z is None:
+        _check_cover(scene, floor, points)
+    _check_above(floor, "vessel.position", points[0], margin)
+    _check_afloat(scene, floor)
+    if scene.end.kind == "anchor":
+        _check_above(floor, "end.anchor", np.asarray(scene.end.position, dtype=float), margin)
+    if scene.initial.kind != "static":
+        for point in points:
+            _check_above(floor, "initial", np.asarray(point), margin)
+
+
+def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> None:
+    height = floor.height(float(point[0]), float(point[1]))
+    if point[2] < height - margin:
+        raise SceneError.at(
+            path,
+            [round(float(value), 6) for value in point],
+            "it lies below the sea floor",
+            f"z of at least {height:g} m there",
+        )
+
+
+def _check_afloat(scene: Scene, floor: Floor) -> None:
+    """The vessel's own schedule must not take the tow point below the floor during the run."""
+    times = np.linspace(0.0, scene.run.duration, 201)
+    most = 1e-3 * scene.line_length
+    for time, place in zip(times, scene.motion().track(times)[0].tolist(), strict=True):
+        depth = floor.height(place[0], place[1]) - place[2]
+        if depth > most:
+            raise SceneError.at(
+                "vessel",
+                [round(float(value), 6) for value in place],
+                f"the tow point is {depth:g} m below the sea floor at t = {time:g} s",
+                "a motion above the floor, or a shorter run.duration",
+            )
+
+
+def _check_cover(scene: Scene, floor: Floor, points: FloatArray) -> None:
+    """The table must hold the vessel's track over the run, the first shape and the anchor."""
+    track = scene.motion().track(np.linspace(0.0, scene.run.duration, 201))[0]
+    places = np.array([*track, *points])
+    for axis, name, grid in ((0, "x", floor.grid_x), (1, "y", floor.grid_y)):
+        if len(grid) < 2:
+            continue
+        low, high = float(places[:, axis].min()), float(places[:, axis].max())
+        if low < grid[0] or high > grid[-1]:
+            raise SceneError.at(
+                "environment.floor.depth_table",
+                f"{name} from {grid[0]:g} to {grid[-1]:g} m",
+                "it does not cover the run",
+                f"{name} from {low:g} to {high:g} m at least: the vessel and the cable go there",
+            )

@@ -1,0 +1,97 @@
+"""The block's records in kernels: by name, without a copy (layout.py declares them).
+
+``edge_of(I, M, n)`` is row n of the table of edges, ``edge_at(M, word)`` the edge at a word of the
+block; so for the others.
+"""
+
+from cablemodel.solvers.shared.compile import (
+    own_numbers,
+    own_record,
+    record_at,
+    record_in,
+    row_of,
+    word_of,
+)
+from cablemodel.solvers.shared.layout import (
+    ArcLaw,
+    Arm,
+    Body,
+    Cable,
+    Cell,
+    Closure,
+    Constraint,
+    Cut,
+    Edge,
+    Energies,
+    Foil,
+    Foot,
+    Frame,
+    FrameInput,
+    FreeBody,
+    Header,
+    Layer,
+    Line,
+    LineFacts,
+    Matter,
+    Motion,
+    MotionChange,
+    PartMotion,
+    Piece,
+    Polynomial,
+    Rate,
+    Scalars,
+    Station,
+    StepInputs,
+    Summary,
+    Winch,
+)
+
+__all__ = ["word_of"]
+
+header = record_in(Header)
+"""header(I): identity, sizes, counters, and the words where arrays start."""
+
+header_at = record_at(Header)
+"""header_at(I, word): that of a copy of the block, at a word of the block."""
+
+scalars = record_in(Scalars)
+"""scalars(M): the numbers that there is one of."""
+
+edge_of, edge_at = row_of(Edge, Header.edges), record_at(Edge)
+cable_of, cable_at = row_of(Cable, Header.cables), record_at(Cable)
+body_of, body_at = row_of(Body, Header.bodies), record_at(Body)
+constraint_of, constraint_at = row_of(Constraint, Header.constraints), record_at(Constraint)
+motion_piece_of, motion_piece_at = row_of(Piece, Header.pieces), record_at(Piece)
+polynomial_at, arc_at = record_at(Polynomial), record_at(ArcLaw)
+frame_of, frame_at = row_of(Frame, Header.frames), record_at(Frame)
+free_body_of, free_body_at = row_of(FreeBody, Header.free_bodies), record_at(FreeBody)
+arm_of, arm_at = row_of(Arm, Header.arms), record_at(Arm)
+closure_of, closure_at = row_of(Closure, Header.closures), record_at(Closure)
+foil_of, foil_at = row_of(Foil, Header.foils), record_at(Foil)
+rate_of = row_of(Rate, Header.rates)
+winch_of, winch_at = row_of(Winch, Header.winches), record_at(Winch)
+matter_of = row_of(Matter, Header.matter)
+line_of, line_at = row_of(Line, Header.lines), record_at(Line)
+cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
+foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
+cell_of = row_of(Cell, Header.cells)
+line_facts_at = record_at(LineFacts)
+sea_layer_at = record_at(Layer)
+tow_point_of = row_of(Motion, Header.motion)
+"""tow_point_of(I, M, 0): its motion at the last set_time, earth frame."""
+
+motion_at = record_at(Motion)
+new_motion = own_record(Motion)
+summary_at = record_at(Summary)
+energies_at = record_at(Energies)
+motion_change_at = record_at(MotionChange)
+step_inputs_at = record_at(StepInputs)
+frame_input_at = record_at(FrameInput)
+station_at = record_at(Station)
+part_motion_at = record_at(PartMotion)
+
+vector = own_numbers(3)
+"""vector(): three zeros of the caller's own; those of a planar model are the first two."""
+
+matrix = own_numbers(9)
+"""matrix(): nine zeros, (3, 3) by rows."""

@@ -1,0 +1,1 @@
+"""Pictures of runs: plots, animations, the report."""
