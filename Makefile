@@ -4,6 +4,8 @@
 PYTHON ?= python3
 WORKERS ?= 2
 TOGETHER := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+# What is never imported need not be compiled.
+INSTALL := -m pip install --quiet --quiet --no-compile
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -135,7 +137,7 @@ clean:  ## remove environments, builds, caches and output
 # The wheels of rclpy re-execute every start of Python in their environment: they get their own.
 $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(call environment,$(VENV_ROS))
-	$(VENV_ROS)/bin/python -m pip install --quiet --quiet --editable . \
+	$(VENV_ROS)/bin/python $(INSTALL) --editable . \
 		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'mujoco>=3.2,<5' \
 		'pytest>=8,<10' 'pytest-xdist>=3.7,<4'
 	@touch $@
@@ -143,24 +145,24 @@ $(READY_ROS): pyproject.toml ros2_node/setup.py
 # CoFMPy wants versions of its own of what tests use. Without it its test is skipped.
 $(READY_MASTERS):
 	@$(PYTHON) -m venv $(VENV_MASTERS) \
-		&& $(VENV_MASTERS)/bin/python -m pip install --quiet --quiet 'cofmupy>=1,<2' \
+		&& $(VENV_MASTERS)/bin/python $(INSTALL) 'cofmupy>=1,<2' \
 		&& touch $@ || echo "No CoFMPy: its test will be skipped."
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu]'
+	$(BIN)/python $(INSTALL) --editable '.[plot,analysis,export,fmu]'
 	@touch $@
 
 $(READY_DEV): pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --quiet --editable '.[plot,analysis,export,fmu,dev]'
+	$(BIN)/python $(INSTALL) --editable '.[plot,analysis,export,fmu,dev]'
 	@touch $(READY) $@
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
-	$(BIN)/python -m pip install --quiet --quiet --editable '.[bench]'
+	$(BIN)/python $(INSTALL) --editable '.[bench]'
 	@touch $@
 
 $(READY_DOCS): pyproject.toml $(READY_DEV)
-	$(BIN)/python -m pip install --quiet --quiet --editable '.[docs]'
+	$(BIN)/python $(INSTALL) --editable '.[docs]'
 	@touch $@
 
 $(BIN)/python:

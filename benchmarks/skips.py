@@ -227,7 +227,7 @@ def _summed_sea() -> Any:
     """The same with its components summed for every point."""
     from unittest.mock import patch
 
-    with patch("cablemodel.solvers.finite_element.start.waves.FEWEST", 10**6):
+    with patch("cablemodel.solvers.finite_element.start.waves.SEA_FEWEST", 10**6):
         return _model(_at_sea())
 
 

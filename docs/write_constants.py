@@ -54,8 +54,8 @@ WORDS = {
         "CURVED STRAINED SOFTNESS"
     ),
     "solvers/finite_element/linearisation.py": "SHARES_PLACE TIED",
-    "solvers/finite_element/kernels/mesh/top_of_line.py": (
-        "LEAVES RETURNS DIVIDES UNITES COMES FOLLOWS STOPS ENTERS"
+    "solvers/finite_element/kernels/mesh/top_element.py": (
+        "JOINT_OUT JOINT_IN SPLIT_TOP JOIN_TOP BODY_OUT CABLE_AFTER_BODY CABLE_IN BODY_IN"
     ),
     "solvers/finite_element/kernels/water/waves.py": (
         "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE"

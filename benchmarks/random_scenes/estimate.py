@@ -94,8 +94,8 @@ def _compared(drawn: Drawn, trace: Trace, finest: Trace) -> tuple[list[float], l
     read = 0 if "initial" in drawn.scene else taut_instants(drawn, finest, trace)
     for k in range(min(len(trace.times), len(finest.times))):
         scale = drawn.tolerance * max(trace.lengths[k], finest.lengths[k])
-        apart = np.linalg.norm(trace.shapes[k] - finest.shapes[k], axis=1).max()
-        off = [float(apart) / scale]
+        deviation = np.linalg.norm(trace.shapes[k] - finest.shapes[k], axis=1).max()
+        off = [float(deviation) / scale]
         position, tension = trace.errors[k]
         said = [position / scale]
         if k < read:

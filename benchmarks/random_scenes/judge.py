@@ -232,9 +232,9 @@ class _Outputs:
         if not count:
             return
         pairs = zip(self.shapes[:count], judge.shapes[:count], strict=True)
-        apart = [np.linalg.norm(one - other, axis=1).max() for one, other in pairs]
+        deviation = [np.linalg.norm(one - other, axis=1).max() for one, other in pairs]
         scale = np.maximum(self.lengths[:count], judge.lengths[:count])
-        shares = {"position": np.array(apart) / (tau * scale)}
+        shares = {"position": np.array(deviation) / (tau * scale)}
         if tensions:
             lowest = np.minimum(self.lowest[:count], judge.lowest[:count])
             largest = max(float(np.abs([judge.lowest, judge.highest]).max()), 1e-9)
@@ -260,16 +260,16 @@ def settle(
     A run that stopped later stays one that stopped.
     """
     if len(finest.times) <= k:
-        apart = "none: the run at tau/16 did not come so far"
+        deviation = "none: the run at tau/16 did not come so far"
         agree = False
     else:
         scale = drawn.tolerance * fine.lengths[k]
         pull = tension_promise(drawn, fine)
-        position = _apart(fine, finest, k) / scale
+        position = _deviation(fine, finest, k) / scale
         tension = abs(fine.top[k] - finest.top[k]) / pull
-        apart = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
+        deviation = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
         agree = position <= SETTLED and ("tension" not in verdict.kinds or tension <= SETTLED)
-    verdict.note = f"{verdict.note} {apart}".strip()
+    verdict.note = f"{verdict.note} {deviation}".strip()
     if not agree and set(verdict.kinds) <= {"position", "tension"}:
         verdict.outcome = "unsettled"
         if trace.end != "completed":
@@ -315,12 +315,12 @@ def compare(verdict: Verdict, drawn: Drawn, trace: Trace, fine: Trace, shaken: T
     read = 0 if "initial" in drawn.scene else taut_instants(drawn, fine, trace)
     for k in range(min(len(trace.times), len(fine.times), len(shaken.times))):
         scale = tau * max(fine.lengths[k], trace.lengths[k])
-        moved = _apart(fine, shaken, k) / scale
+        moved = _deviation(fine, shaken, k) / scale
         pulled = abs(fine.top[k] - shaken.top[k]) / pull if k < read else 0.0
         if not (moved <= MOVED and pulled <= MOVED):
             break
         compared += 1
-        position = _apart(trace, fine, k) / scale
+        position = _deviation(trace, fine, k) / scale
         tension = abs(trace.top[k] - fine.top[k]) / pull if k < read else 0.0
         verdict.position = float(np.fmax(verdict.position, position))
         verdict.tension = float(np.fmax(verdict.tension, tension))
@@ -358,7 +358,7 @@ def taut_instants(drawn: Drawn, fine: Trace, *others: Trace) -> int:
     return count
 
 
-def _apart(one: Trace, other: Trace, k: int) -> float:
+def _deviation(one: Trace, other: Trace, k: int) -> float:
     return float(np.linalg.norm(one.shapes[k] - other.shapes[k], axis=1).max())
 
 

@@ -1,5 +1,5 @@
 """How accurate a run is, and what accuracy costs: one scene at several tolerances.
 
-``study`` makes the runs, ``apart`` holds how far they are from the finest one over time and where
-that can be judged, ``verdict`` what to conclude, ``converge`` runs until they agree.
+``study`` makes the runs, ``deviation`` holds how far they are from the finest one over time and
+where that can be judged, ``verdict`` what to conclude, ``converge`` runs until they agree.
 """

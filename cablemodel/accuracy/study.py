@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.accuracy.apart import Apart
+from cablemodel.accuracy.deviation import Deviation
 from cablemodel.accuracy.verdict import Convergence, Row, conclude
 from cablemodel.errors import CableModelError, SceneError
 from cablemodel.results.run import Run
@@ -60,7 +60,7 @@ def convergence(
     own, asked = scene.solver.tolerance, scene.solver.accuracy
     done: dict[float, Row] = {}
     errors: dict[float, CableModelError] = {}
-    apart: dict[float, Apart] = {}
+    deviation: dict[float, Deviation] = {}
     reference: Run | None = None
     for tolerance in (finest, *reversed(listed)):
         try:
@@ -73,10 +73,10 @@ def convergence(
         if reference is None:
             reference, finest = run, tolerance  # a coarser one, if the finest failed
         else:
-            apart[tolerance] = Apart.of(run, reference)
+            deviation[tolerance] = Deviation.of(run, reference)
     if reference is None:
         raise errors[own]
-    return conclude(scene, done, done[finest], apart)
+    return conclude(scene, done, done[finest], deviation)
 
 
 def runs_of(scene: Scene, tolerances: Iterable[float] | None = None) -> list[float]:

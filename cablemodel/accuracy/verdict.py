@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from cablemodel.accuracy.apart import Apart, Settled
+from cablemodel.accuracy.deviation import Deviation, Settled
 from cablemodel.results.promise import tensions_promised
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class Convergence:
 
 
 def conclude(
-    scene: Scene, done: Mapping[float, Row], reference: Row, apart: Mapping[float, Apart]
+    scene: Scene, done: Mapping[float, Row], reference: Row, deviation: Mapping[float, Deviation]
 ) -> Convergence:
     """Judge the runs of a scene.
 
@@ -113,12 +113,12 @@ def conclude(
     """
     own, asked, finest = scene.solver.tolerance, scene.solver.promised, reference.tolerance
     rows, settled = dict(done), None
-    if apart:
-        fine = min(apart)
+    if deviation:
+        fine = min(deviation)
         settled = Settled.of(
-            apart[fine], max(SETTLED * asked, fine + finest), static=tensions_promised(scene)
+            deviation[fine], max(SETTLED * asked, fine + finest), static=tensions_promised(scene)
         )
-        for tolerance, found in apart.items():
+        for tolerance, found in deviation.items():
             judged = settled.judge(found, done[tolerance].promised + finest)
             rows[tolerance] = replace(
                 done[tolerance],
@@ -132,7 +132,7 @@ def conclude(
     order = sorted(rows, reverse=True)
     listed = tuple(rows[tolerance] for tolerance in order if tolerance != finest)
     outcome, sentence = _verdict(scene.solver, listed, reference, settled)
-    notes = tuple(_notes(scene, order[-1], reference, apart, settled))
+    notes = tuple(_notes(scene, order[-1], reference, deviation, settled))
     span = settled.span if settled is not None else None
     return Convergence(own, listed, reference, outcome, sentence, notes, span)
 
@@ -185,7 +185,7 @@ def _unsettled(asked: float, fine: Row, reference: Row, settled: Settled) -> str
     when = f"from t = {first:g} s on" if last >= settled.end else f"at t = {first:g} to {last:g} s"
     return (
         f"The motion does not converge {when}: even the runs at {fine.tolerance:g} and "
-        f"{reference.tolerance:g} differ by up to {settled.apart / asked:.2g} times what "
+        f"{reference.tolerance:g} differ by up to {settled.deviation / asked:.2g} times what "
         f"{asked:g} allows."
     )
 
@@ -194,7 +194,7 @@ def _notes(
     scene: Scene,
     finest: float,
     reference: Row,
-    apart: Mapping[float, Apart],
+    deviation: Mapping[float, Deviation],
     settled: Settled | None,
 ) -> Iterator[str]:
     if finest != reference.tolerance:
@@ -210,7 +210,7 @@ def _notes(
                 "slack, and snaps and what they leave are not promised."
             )
         if settled.snaps.size:
-            count = len(next(iter(apart.values())).tensions[0].time)
+            count = len(next(iter(deviation.values())).tensions[0].time)
             yield (
                 f"Tensions at {settled.snaps.size} of {count} outputs are not judged, the first at "
                 f"t = {settled.snaps[0]:g} s: there even the two finest runs differ by more than "

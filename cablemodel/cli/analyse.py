@@ -18,7 +18,7 @@ from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import JsonOption, seconds_of
 
 if TYPE_CHECKING:
-    from cablemodel.analysis.statistics import Cycles, Floats, Statistic
+    from cablemodel.analysis import Cycles, Floats, Statistic
     from cablemodel.results.run import Run
 
 _WIDEST = 200
@@ -109,11 +109,11 @@ def export(
 def _report(
     run: Run, begin: float, end: float, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
-    from cablemodel.analysis import statistics
+    from cablemodel import analysis
     from cablemodel.views.drawing import start_tensions
 
     try:
-        found = statistics.statistics(run, after=begin, before=end)
+        found = analysis.statistics(run, after=begin, before=end)
     except ValueError as error:
         typer.echo(f"cablemodel: {error}", err=True)
         raise typer.Exit(FAILED) from None
@@ -133,14 +133,14 @@ def _motion(
     time: Floats, tension: Floats, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
     """Spectrum, cycles and fatigue of the tension at the beginning of a line."""
-    from cablemodel.analysis import statistics
+    from cablemodel import analysis
 
-    counted = statistics.cycles(tension)
+    counted = analysis.cycles(tension)
     span = float(time[-1] - time[0])
     found: dict[str, Any] = {"spectrum": None}
     found["fatigue"] = _fatigue(counted, span, slope, intercept, reference)
     if len(time) >= 32:
-        density = statistics.spectrum(time, tension)
+        density = analysis.spectrum(time, tension)
         found["spectrum"] = {
             "significant": density.significant,
             "peak_period": density.peak_period,
@@ -152,20 +152,20 @@ def _motion(
 def _fatigue(
     counted: Cycles, span: float, slope: float, intercept: float | None, reference: float
 ) -> dict[str, Any]:
-    from cablemodel.analysis import statistics
+    from cablemodel import analysis
 
     found = {
         "cycles": float(counted.count.sum()),
         "largest_range": float(counted.range[0]) if len(counted.range) else 0.0,
         "slope": slope,
         # Of one cycle a second, as is usual.
-        "equivalent_range_1_hz": statistics.equivalent_range(counted, slope, span) if span else 0.0,
+        "equivalent_range_1_hz": analysis.equivalent_range(counted, slope, span) if span else 0.0,
     }
     if intercept is not None:
-        curve = statistics.FatigueCurve(intercept, slope, reference)
-        damage = statistics.damage(counted, curve)
+        curve = analysis.FatigueCurve(intercept, slope, reference)
+        damage = analysis.damage(counted, curve)
         found["damage"] = damage
-        found["life_years"] = span / damage / statistics.YEAR if damage else math.inf
+        found["life_years"] = span / damage / analysis.YEAR if damage else math.inf
     return found
 
 

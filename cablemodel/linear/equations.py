@@ -288,7 +288,7 @@ class Equations(ABC):
         speed = self.block.array(Header.velocity, self.nodes * SIZE) - self.carried()
         left = answer[:, -1]
         drift = np.concatenate([self.dual @ speed, self.dual @ now + left, chain @ operating])
-        borne = whole + self.mass @ z @ answer
+        reaction = whole + self.mass @ z @ answer
         moved, sped = drives.by_levels()[:2]
         none = np.zeros((len(z), m))
         response = Response(
@@ -296,9 +296,9 @@ class Equations(ABC):
             velocity=np.column_stack(
                 [np.zeros_like(z) if turning is None else turning.velocity, z, sped, none]
             ),
-            force=borne[:, :-1],
-            rest=borne[:, -1],
-            change=borne[:, -1] - present,
+            force=reaction[:, :-1],
+            rest=reaction[:, -1],
+            change=reaction[:, -1] - present,
             answer=answer[:, :-1],
             first_level=2 * n,
         )

@@ -38,7 +38,7 @@ class LineEquations(Equations):
             return f"the line is slack, {start + winch.paid:.6g} m from the vessel"
 
         refuse(block, "the line", slack_at)
-        if winch.passing != 0.0:
+        if winch.passing_body != 0.0:
             raise not_linear("a body passes the tow point")
         entry.to_three_dimensions(block.ints, block.reals)
         head = block.header

@@ -29,9 +29,9 @@ _ORDER = 0.5
 """The slowest convergence: errors as this power of the tolerance."""
 FACTOR = 1.0 / (1.0 - FINER**-_ORDER)
 """Error over difference, with that convergence: 2."""
-_PARTS = 101
+_ESTIMATE_PARTS = 101
 PLACES: FloatArray = np.array(
-    [0.5 - 0.5 * math.cos(math.pi * k / _PARTS) for k in range(_PARTS + 1)]
+    [0.5 - 0.5 * math.cos(math.pi * k / _ESTIMATE_PARTS) for k in range(_ESTIMATE_PARTS + 1)]
 )
 """Parts of the line at which shapes and tensions are compared. The ends' parts are the shortest; a
 prime, for then no place but the ends is at a round number, as bodies are, where a tension jumps and
@@ -52,9 +52,9 @@ def estimated(
 ) -> tuple[float, float]:
     """Errors of positions [m] and tensions [N]: the largest, of places (n, 3) and tensions (m,) of
     a run and of the finer one."""
-    apart = np.linalg.norm(places - others, axis=1)
+    difference = np.linalg.norm(places - others, axis=1)
     pulls = np.abs(tensions - other_tensions)
-    return FACTOR * float(apart.max()), FACTOR * float(pulls.max())
+    return FACTOR * float(difference.max()), FACTOR * float(pulls.max())
 
 
 def step_in_halves(block: Block) -> None:

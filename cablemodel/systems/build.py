@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
 from cablemodel.scene.sea import sea
-from cablemodel.solvers.finite_element.start import easier_ways, sea_floor, search
+from cablemodel.solvers.finite_element.start import continuation as continuation
+from cablemodel.solvers.finite_element.start import sea_floor, search
 from cablemodel.solvers.finite_element.start.first_state import count_from_zero
-from cablemodel.solvers.finite_element.start.refinement import ROUNDS
+from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
@@ -130,7 +131,7 @@ def _at_rest(
             cables = [item.cable for item in line.items if item.cable is not None]
             nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
     built = _solved(scene, nodes, guess, None, velocity)
-    for _round in range(ROUNDS):
+    for _round in range(REFINEMENT_ROUNDS):
         finer = refined(scene, nodes, built)
         if finer is None:
             break
@@ -218,13 +219,13 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
     solve = partial(search.equilibrium, block, velocity.copy())
     ways: list[Callable[[], int]] = [solve]
     if head.floor_kind:
-        harder = easier_ways.on_hardening_floors
-        ways += [partial(harder, block, solve, floors) for floors in easier_ways.FLOORS]
+        harder = continuation.on_hardening_floors
+        ways += [partial(harder, block, solve, floors) for floors in continuation.FLOORS]
     # What is free comes to rest without friction; it holds the lines from there.
     friction, state.friction = state.friction, 0.0
     hold_feet(scene, built)
     for attempt in range(2):
-        status = easier_ways.first_of(block, ways)
+        status = continuation.first_of(block, ways)
         if status != at.OK:
             line, arc = built.where(min(block.failed_node, built.nodes - 1))
             raise StaticsError(
@@ -270,7 +271,7 @@ def _refine_at_floor(scene: SystemScene, built: Built, velocity: FloatArray) -> 
     from cablemodel.solvers import library as entry
 
     block = built.block
-    for _turn in range(ROUNDS):
+    for _turn in range(REFINEMENT_ROUNDS):
         at_rest = block.image.copy()
         while (changed := entry.refine_at_floor(block.ints, block.reals)) == at.NO_CAPACITY:
             block.take(at_rest)

@@ -68,8 +68,8 @@ class SystemOutputs:
         sign = 1.0 if child else -1.0
         words = slice(SIZE * node, SIZE * node + 3)
         own = slice(SIZE * node + 3, SIZE * node + 6)
-        borne = block.array(Header.end_force, nodes, 2, 3)[element, int(child)]
-        force = borne + sign * response.change[words]
+        reaction = block.array(Header.end_force, nodes, 2, 3)[element, int(child)]
+        force = reaction + sign * response.change[words]
         by = sign * forces[words]
         slope = self._of.q[own]
         along, size = slope / np.linalg.norm(slope), np.linalg.norm(slope)
@@ -91,9 +91,9 @@ class SystemOutputs:
 
         def by(change: Callable[[float], None], number: int) -> FloatArray:
             def read() -> FloatArray:
-                apart = self._parts()[number] - values[number]
-                apart[1] = np.remainder(apart[1] + np.pi, 2.0 * np.pi) - np.pi
-                return np.asarray(apart)
+                difference = self._parts()[number] - values[number]
+                difference[1] = np.remainder(difference[1] + np.pi, 2.0 * np.pi) - np.pi
+                return np.asarray(difference)
 
             return self._of.differences(change, TURN_STEP, read)
 

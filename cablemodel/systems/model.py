@@ -377,9 +377,9 @@ class SystemModel:
         for name, body in self.bodies.items():
             off = math.nan
             if name in finer:
-                apart = body.position - finer[name].position
+                difference = body.position - finer[name].position
                 # Of one row, whose squares are added in order, as in the FMU.
-                off = FACTOR * float(np.linalg.norm(apart[None], axis=1)[0])
+                off = FACTOR * float(np.linalg.norm(difference[None], axis=1)[0])
             longest = max(self.lines[line].length for line in self.scene.lines_at(name))
             yield name, Errors(off, None, longest)
 

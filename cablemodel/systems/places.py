@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.solvers.finite_element.start.refinement import BENT, LARGEST_STATIC_MESH
+from cablemodel.solvers.finite_element.start.refinement import LARGEST_STATIC_MESH, REFINEMENT_BENT
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built, Shape
@@ -105,7 +105,7 @@ def refined(
     split: dict[str, set[float]] = {}
     for k in range(len(found.node)):
         segment = tree.segments[found.segment[k]]
-        allowed = BENT * scene.solver.tolerance * scene.lines[segment.line].length
+        allowed = REFINEMENT_BENT * scene.solver.tolerance * scene.lines[segment.line].length
         if indicator[k] > allowed and cable_of(scene, segment.line, segment.cable).elements is None:
             split.setdefault(segment.line, set()).add(float(found.start[k] + 0.5 * found.length[k]))
     if not split or built.nodes > LARGEST_STATIC_MESH:

@@ -13,11 +13,11 @@ from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import waves
 from cablemodel.solvers.finite_element.start.line_tables import edge_row, fill_body, note_choices
-from cablemodel.solvers.finite_element.start.refinement import SPARE
+from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_SPARE
 from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.solvers.finite_element.start.sea_floor import table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
-from cablemodel.solvers.finite_element.start.winch import SHORTEST_LINE, SPARE_NODES
+from cablemodel.solvers.finite_element.start.winch import SHORTEST_LINE, WINCH_SPARE_NODES
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems.built import Built
@@ -46,7 +46,11 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         scene.cable_types[cable_of(scene, part.line, part.cable).type] for part in tree.segments
     ]
     nodes = len(tree.parent)
-    spare = SPARE[0] + math.ceil(SPARE[1] * nodes) if mesh_may_change(scene) else 0
+    spare = (
+        REFINEMENT_SPARE[0] + math.ceil(REFINEMENT_SPARE[1] * nodes)
+        if mesh_may_change(scene)
+        else 0
+    )
     spare += at.NODES_OF_A_CUT * len(scene.cuts) + nodes_for_winches(scene, tree)
     pieces = sum(
         len(vessel.motion().pieces) + len(turning(vessel)) for vessel in scene.vessels.values()
@@ -186,7 +190,7 @@ def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
     for winch in scene.winches.values():
         of_line = [e for e in tree.elements.values() if tree.segments[e.segment].line == winch.line]
         mean = scene.lines[winch.line].length / len(of_line)
-        count += SPARE_NODES + math.ceil(winch.drum / mean)
+        count += WINCH_SPARE_NODES + math.ceil(winch.drum / mean)
     return count
 
 

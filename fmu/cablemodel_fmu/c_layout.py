@@ -71,7 +71,8 @@ def start_constants() -> dict[str, float]:
     """Numbers by which start/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
     from cablemodel.solvers.finite_element.kernels.outputs import interface
-    from cablemodel.solvers.finite_element.start import easier_ways, line_tables, refinement, winch
+    from cablemodel.solvers.finite_element.start import continuation as continuation
+    from cablemodel.solvers.finite_element.start import line_tables, refinement, winch
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 
@@ -79,18 +80,18 @@ def start_constants() -> dict[str, float]:
         "STABILISATION": tables.STABILISATION,
         "SHORTEST_LINE": winch.SHORTEST_LINE,
         "SHORTEST_PIECE": winch.SHORTEST_PIECE,
-        "FIRST_PIECE": winch.FIRST_PIECE,
+        "FIRST_PIECE": winch.WINCH_FIRST_PIECE,
         "LEAST_PIECE": winch.LEAST_PIECE,
-        "RIGID": tables.RIGID,
-        "SOFTEST": line_tables.SOFTEST,
-        "BENT": refinement.BENT,
+        "RIGID": tables.ELEMENT_RIGID,
+        "SOFTEST": line_tables.TABLE_SOFTEST,
+        "BENT": refinement.REFINEMENT_BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
         "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
-        "REFINEMENTS": refinement.ROUNDS,
-        "FEW_STEPS": easier_ways.FEW_STEPS,
+        "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
+        "FEW_STEPS": continuation.FEW_STEPS,
         "DRUM_ROOM": signals.ROOM,
         "SAME_PLACE": model.SAME_PLACE,
-        "AHEAD": interface.AHEAD,
+        "AHEAD": interface.RATE_AHEAD,
     }
 
 

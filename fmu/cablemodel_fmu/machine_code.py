@@ -16,11 +16,11 @@ from typing import Any
 from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
-    "body_clamps", "buckling", "clamp_layer", "closures", "consistency", "cuts", "feet",
-    "floor_memory", "floor_outputs", "floor_state", "flow", "follow", "frames", "free_bodies",
-    "hulls", "interface", "part_outputs", "passing", "payout", "promote", "raos", "refine",
-    "rigid", "rotation", "scales", "sleep", "statics", "tension", "top_of_line", "vessel_clamp",
-    "winch",
+    "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
+    "consistency", "cuts", "feet", "floor_memory", "floor_outputs", "floor_state", "flow",
+    "frames", "free_bodies", "hulls", "interface", "part_outputs", "payout", "promote", "raos",
+    "rigid", "rotation", "scales", "sleep", "statics", "tension", "top_element",
+    "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")

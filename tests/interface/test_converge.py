@@ -59,8 +59,8 @@ def test_a_run_that_does_not_is_made_at_the_tolerance_that_does(tmp_path: Path) 
                 model.step_to(time)
         assert np.array_equal(one.tip_position, run.tip_position[k])
         s = np.linspace(0.0, 10.0, 101)
-        apart = np.linalg.norm(one.sample(s).position - other.sample(s).position, axis=1)
-        assert apart.max() < 10.0 * asked
+        deviation = np.linalg.norm(one.sample(s).position - other.sample(s).position, axis=1)
+        assert deviation.max() < 10.0 * asked
     # The log says all of it, and replays.
     read = cm.open_run(log)
     assert read.scene == run.scene

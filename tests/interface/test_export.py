@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import cablemodel as cm
 from cablemodel import variables
-from cablemodel.analysis.statistics import statistics
+from cablemodel.analysis import statistics
 from cablemodel.cli import app
 from cablemodel.results.columns import input_columns, output_columns, state_columns
 from cablemodel.results.export import export

@@ -97,7 +97,7 @@ def test_an_installed_wheel_runs_a_scene(
         return done.stdout
 
     code = (
-        "import sys, numpy, cablemodel as cm; from cablemodel import library; "
+        "import sys, numpy, cablemodel as cm; from cablemodel.solvers import library; "
         f"cm.CableModel(cm.load_scene('{SCENE.name}')).step(1.0); "
         "print(cm.__file__, library.library_path(), 'numba' in sys.modules, numpy.__version__)"
     )

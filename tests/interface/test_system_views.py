@@ -289,7 +289,7 @@ def test_export_of_a_system(log: Path, run: SystemRun, tmp_path: Path) -> None:
 
 
 def test_statistics_are_of_each_line(log: Path, run: SystemRun) -> None:
-    from cablemodel.analysis.statistics import statistics as analysis
+    from cablemodel import analysis
 
     report = json.loads(invoke("stats", log, "--json", "--intercept", "1e6").stdout)
     rows = {row["name"]: row for row in report["statistics"]}

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cablemodel.analysis.statistics import (
+from cablemodel.analysis import (
     Cycles,
     FatigueCurve,
     cycles,

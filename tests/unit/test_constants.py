@@ -45,6 +45,14 @@ def test_effects_are_those_of_the_code(writer: ModuleType) -> None:
     assert {key: stored[key] for key in said} == said
 
 
+def test_a_name_has_one_value() -> None:
+    """Who searches for it finds one thing."""
+    values: dict[str, set[str]] = {}
+    for row in rows():
+        values.setdefault(row["name"], set()).add(row["value"])
+    assert {name for name, found in values.items() if len(found) > 1} == set()
+
+
 def test_no_row_leaves_anything_out() -> None:
     for row in rows():
         assert all(row.values()), row
@@ -66,12 +74,14 @@ def test_a_constant_is_found_with_what_the_code_says_of_it(
 ) -> None:
     """Behind it, below it or above it; several in a line; words and names in small letters not."""
     found = {(c.module, c.name): c for c in writer.constants()}
-    assert found["solvers/finite_element/kernels/mesh/follow.py", "SPLIT_ABOVE"].value == "1.6"
     assert (
-        found["solvers/finite_element/kernels/mesh/follow.py", "JOIN_BELOW"].effect
+        found["solvers/finite_element/kernels/mesh/touchdown_mesh.py", "SPLIT_ABOVE"].value == "1.6"
+    )
+    assert (
+        found["solvers/finite_element/kernels/mesh/touchdown_mesh.py", "JOIN_BELOW"].effect
         == "of the length wanted"
     )
-    assert found["solvers/finite_element/start/refinement.py", "BENT"].effect.startswith(
+    assert found["solvers/finite_element/start/refinement.py", "REFINEMENT_BENT"].effect.startswith(
         "Of tau L: what h^2 times"
     )
     assert ("solvers/shared/layout.py", "EDGE_WORDS") not in found

@@ -119,13 +119,13 @@ def test_calm_and_dead_water():
 
 
 def test_few_components_have_no_cells(monkeypatch):
-    given = scene(components=waves.FEWEST - 1)
+    given = scene(components=waves.SEA_FEWEST - 1)
     model = cm.CableModel(given, planar=False)
     assert model._header.cell_terms == 0
     place = [30.0, 3.0, 4.0, -2.0]
     for mine, exact in zip(motion(model, place, 0), motion(model, place, ALL), strict=True):
         assert np.array_equal(mine, exact)
-    assert cm.CableModel(scene(components=waves.FEWEST))._header.cell_terms > 0
+    assert cm.CableModel(scene(components=waves.SEA_FEWEST))._header.cell_terms > 0
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])

@@ -524,10 +524,10 @@ def test_a_line_written_as_a_system_has_the_same_transfer_functions() -> None:
 
 
 def test_steps_of_differences_are_the_kernels() -> None:
-    from cablemodel.solvers.finite_element.kernels.bodies.point_bodies import free_bodies
+    from cablemodel.solvers.finite_element.kernels.bodies import free_bodies
     from cablemodel.systems import linear
 
-    assert linear.STEP == free_bodies.STEP
+    assert linear.STEP == free_bodies.BODY_STEP
 
 
 def test_names_say_what_is_what() -> None:

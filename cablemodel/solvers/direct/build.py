@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
-SPARE_NODES = 24
+DIRECT_SPARE_NODES = 24
 DRIFT = 1e-3
 """Of the line's length: how far a held end may drift before the run is stopped."""
 SLACK = 1e-4
@@ -48,7 +48,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     spacing = scene.solver.node_spacing
     of_drum = [item.cable for item in scene.payout.drum if item.cable is not None]
     joints = sum(1 for section in sections[1:] if section.kind != own.RIGID) + len(of_drum)
-    nodes = sum(len(section.lengths) + 1 for section in sections) + SPARE_NODES
+    nodes = sum(len(section.lengths) + 1 for section in sections) + DIRECT_SPARE_NODES
     for cable in of_drum:
         nodes += 2 * len(even(cable.length, spacing)) + 6
     if floor is not None:

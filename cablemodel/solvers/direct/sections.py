@@ -19,9 +19,9 @@ FloatArray = NDArray[np.float64]
 
 NEARLY_ALL = 1.25
 """A hybrid shorter than this many bending lengths is an elastica throughout."""
-FINEST = 0.2
+SECTION_FINEST = 0.2
 """Of the thickness (EI/w)^(1/3) of the layer at the touchdown point: the first interval there."""
-GROWTH = 1.25
+SECTION_GROWTH = 1.25
 """Ratio of neighbouring intervals next to the touchdown point."""
 
 
@@ -69,7 +69,7 @@ def graded(length: float, spacing: float, finest: float) -> FloatArray:
     """Intervals that shrink towards the far end, from the spacing to the finest."""
     sizes = [min(finest, spacing)]
     while sum(sizes) < length:
-        sizes.append(min(spacing, GROWTH * sizes[-1]))
+        sizes.append(min(spacing, SECTION_GROWTH * sizes[-1]))
     lengths = np.array(sizes[::-1])
     return np.asarray(lengths * (length / lengths.sum()))
 
@@ -111,7 +111,7 @@ def sections_of(scene: Scene) -> list[Section]:
                 layer = (of_type.bending_stiffness / abs(of_type.submerged_weight or 1.0)) ** (
                     1.0 / 3.0
                 )
-                lengths = graded(length, spacing, FINEST * layer)
+                lengths = graded(length, spacing, SECTION_FINEST * layer)
             found.append(Section(kind, cable, lengths, point=point, hinge=hinge, follows=follows))
             point, hinge = -1, False
     return found

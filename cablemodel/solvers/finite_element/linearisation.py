@@ -20,7 +20,7 @@ LOCKED = 0.1
 """Of what holds motions across an element that bends: more of it would hold them too."""
 STIFFEST = 1e6
 """Of the stabilisation: what is stiffer drowns all else in rounding, at 1e8."""
-ROUNDING = 1e-12
+LINEAR_ROUNDING = 1e-12
 Matrix = Any
 """Of scipy.sparse."""
 SLOW = 1e3
@@ -70,14 +70,14 @@ def natural_frequencies(block: Block, count: int) -> FloatArray:
     kept = edges[:, at.Edge.stabilisation].copy()
     edges[:, at.Edge.stabilisation] = stiff = _stiffened(block)
     mass, _damping, stiffness = (0.5 * (m + m.T) for m in small_motions(block))
-    bent = stiff * edges[:, at.Edge.compliance] < 1.0 - ROUNDING
+    bent = stiff * edges[:, at.Edge.compliance] < 1.0 - LINEAR_ROUNDING
     edges[bent, at.Edge.stabilisation] *= 2.0
     stiffer = small_motions(block)[2]
     edges[:, at.Edge.stabilisation] = kept
     values, motions = eigh(stiffness, mass)
     # The derivative of the square of a frequency to the stabilisation, in units of both.
     change = np.einsum("im,ij,jm->m", motions, 0.5 * (stiffer + stiffer.T) - stiffness, motions)
-    cable = change < OWN * np.abs(values) + ROUNDING * np.abs(values).max()
+    cable = change < OWN * np.abs(values) + LINEAR_ROUNDING * np.abs(values).max()
     return np.asarray(np.sqrt(np.maximum(values[cable][:count], 0.0)), dtype=np.float64)
 
 
@@ -92,7 +92,7 @@ def _stiffened(block: Block) -> FloatArray:
     turn = np.linalg.norm(slopes - slopes[block.integers(Header.parent, nodes)], axis=1)
     tension = np.abs(block.array(Header.tension, nodes, 2)[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
-        most = np.where(turn > ROUNDING, LOCKED * tension / turn**2, np.inf)
+        most = np.where(turn > LINEAR_ROUNDING, LOCKED * tension / turn**2, np.inf)
         axial = np.where(
             edges[:, at.Edge.compliance] > 0.0, 1.0 / edges[:, at.Edge.compliance], 0.0
         )

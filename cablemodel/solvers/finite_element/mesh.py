@@ -40,7 +40,7 @@ _LAYER_GROWTH = 2.0
 _NEARLY = 1.05
 """Of the size that resolves a layer: longer elements are halved. A clamp's moment is then off by
 1.2 % at most at tau = 1e-3; by 3.5 % with elements of 1.4 of that size."""
-FEWEST = 2
+MESH_FEWEST = 2
 """Elements of a cable between two bodies."""
 
 
@@ -130,7 +130,7 @@ def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatA
             nodes.append(np.linspace(0.0, span.length, span.elements + 1))
         else:
             first, last = np.interp([arc / total, (arc + span.length) / total], x, integral)
-            n = max(FEWEST, round(last - first))
+            n = max(MESH_FEWEST, round(last - first))
             places = np.interp(np.linspace(first, last, n + 1), integral, x) * total - arc
             places[0], places[-1] = 0.0, span.length
             nodes.append(with_layers(places, span, tolerance))

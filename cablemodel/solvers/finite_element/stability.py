@@ -29,13 +29,13 @@ FloatArray = NDArray[np.float64]
 SLOWEST = 0.03
 """Growth that matters, over sqrt(g/L): below it are motions that nothing drives nor holds back, as
 of a line that may turn about its tow point."""
-FASTEST = 1e6
+STABILITY_FASTEST = 1e6
 """The same, beyond which none is looked for."""
 ACCURACY = 1e-4
 """Of a growth rate, relative."""
 STRIDE = 1.03
 """From one rate to the next, where one is looked for by the sign of what resists it least."""
-ITERATIONS = 6
+STABILITY_ITERATIONS = 6
 """For the shape of a growing motion, whose rate is known."""
 ASIDE = 1e-6
 """Of the forces along an axis, those along the next one, by which a motion is sought."""
@@ -138,7 +138,7 @@ def growing_motion(block: Block, way: FloatArray | None = None) -> GrowingMotion
         return None
     low, high = slowest, 2.0 * slowest
     while not is_held(block, high):
-        if high > FASTEST * slowest:
+        if high > STABILITY_FASTEST * slowest:
             return None
         low, high = high, 2.0 * high
     while high > (1.0 + ACCURACY) * low:
@@ -263,7 +263,7 @@ def _motion(matrix: _Elimination, axes: FloatArray) -> tuple[FloatArray, float]:
     x = np.zeros((nodes, 2 * dimension))
     x[:, :dimension] = np.outer(np.arange(1.0, nodes + 1.0), ASIDE ** np.arange(dimension) @ axes)
     cosine = 0.0
-    for _iteration in range(ITERATIONS):
+    for _iteration in range(STABILITY_ITERATIONS):
         forces = x / np.linalg.norm(x)
         x = matrix.solve(forces)
         size = float(np.linalg.norm(x))

@@ -20,7 +20,7 @@ from cablemodel.solvers.shared.layout import (
     POLYNOMIAL,
 )
 
-ROUNDING = 4e-15  # times that differ by less of themselves are the same
+TIME_ROUNDING = 4e-15  # times that differ by less of themselves are the same
 
 
 @kernel
@@ -211,7 +211,7 @@ def current_profile(I, M, t):
 def holds(start, end, t, ahead):
     """Whether start < t <= end, or, ahead, start <= t < end; times that differ by rounding are
     the same."""
-    same = ROUNDING * abs(t)
+    same = TIME_ROUNDING * abs(t)
     if ahead:
         return t >= start - same and t < end - same
     return t > start + same and t <= end + same
@@ -239,7 +239,7 @@ def changing(I, M, t, ahead):
         given = state.live_current
         if holds(given.begin, given.end, t, ahead):
             live = 1.0 / (given.end - given.begin)
-        elif not ahead and abs(t - given.begin) <= ROUNDING * t:
+        elif not ahead and abs(t - given.begin) <= TIME_ROUNDING * t:
             live = -1.0
     return piece, slope, live
 

@@ -17,7 +17,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import kernel
 from cablemodel.solvers.shared.environment import (
-    ROUNDING,
+    TIME_ROUNDING,
     begin_cubic,
     evaluate_piece,
     find_piece,
@@ -76,7 +76,7 @@ def set_live_current(I, M, t_end, inputs):
     if span > 0.0:
         fraction = min(1.0, max(0.0, (time - live.begin) / span))
     flows = False
-    goes_on = span > 0.0 and time <= live.end + ROUNDING * time
+    goes_on = span > 0.0 and time <= live.end + TIME_ROUNDING * time
     for i in range(3):
         change = live.last[i] - live.first[i]
         state.current_slope[i] = change / span if goes_on else 0.0

@@ -12,7 +12,7 @@ from cablemodel.solvers.shared.access import line_of
 from cablemodel.solvers.shared.compile import kernel
 
 TAUT = 0.02  # of a line's largest tension at the start, or of its weight: no fold pulls like that
-LOWEST = 0.5  # of its lowest tension at the start, where that is less
+SLACK_LOWEST = 0.5  # of its lowest tension at the start, where that is less
 NONE = 1e300  # tension of what has no cable off the floor
 
 
@@ -20,7 +20,7 @@ NONE = 1e300  # tension of what has no cable off the floor
 def taut_from(lowest, largest, weight):
     """The tension above which a line is taut again, from those at its start, and its weight."""
     pull = TAUT * max(largest, weight)
-    return min(pull, LOWEST * lowest) if lowest > 0.0 else pull
+    return min(pull, SLACK_LOWEST * lowest) if lowest > 0.0 else pull
 
 
 @kernel

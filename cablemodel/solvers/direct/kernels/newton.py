@@ -27,10 +27,10 @@ from .layout import (
 )
 from .superposition import superpose
 
-MOST_ITERATIONS = 10
-LARGEST_TURN = 0.7
+DIRECT_MOST_ITERATIONS = 10
+DIRECT_LARGEST_TURN = 0.7
 """An iteration that would turn the cable by more is shortened [rad]."""
-ROUND_OFF = 1e-6
+DIRECT_ROUND_OFF = 1e-6
 """Relative changes below this may be round-off."""
 
 
@@ -115,7 +115,7 @@ def solve_level(I, M):
     sides = own.right_sides
     set_flow(I, M)
     previous = 1e300
-    for _iteration in range(MOST_ITERATIONS):
+    for _iteration in range(DIRECT_MOST_ITERATIONS):
         head.iterations += 1
         set_strains(I, M)
         set_places(I, M)
@@ -166,8 +166,8 @@ def solve_level(I, M):
                     dk = max(dk, delta)
         I[head.failed] = place
         factor = 1.0
-        if turn > LARGEST_TURN:
-            factor = LARGEST_TURN / turn
+        if turn > DIRECT_LARGEST_TURN:
+            factor = DIRECT_LARGEST_TURN / turn
         for node in range(total):
             at = own.delta + 2 * WIDTH * node
             y = own.unknowns + WIDTH * node
@@ -183,7 +183,7 @@ def solve_level(I, M):
                 error = max(error, abs(change) / largest_f)
         set_flow(I, M)
         # Where round-off keeps a change from shrinking further, it has converged too.
-        stalled = error <= ROUND_OFF and error > 0.25 * previous
+        stalled = error <= DIRECT_ROUND_OFF and error > 0.25 * previous
         previous = error
         if factor == 1.0 and (error <= run.tolerance or stalled):
             set_strains(I, M)

@@ -22,13 +22,13 @@ from .layout import (
     WIDTH,
 )
 
-SPLIT, JOIN = 1.5, 0.5
+REGRID_SPLIT, JOIN = 1.5, 0.5
 """Of the node spacing: an interval that grows beyond is split, one that shrinks below is joined."""
-FIRST_PIECE = 0.25
+REGRID_FIRST_PIECE = 0.25
 """Of the node spacing: cable that must be out before the joint below it leaves the drum."""
 ROOM = 0.25
 """Of the node spacing: what a step should leave of an interval out of which cable flows."""
-SHORTEST = 0.5
+REGRID_SHORTEST = 0.5
 """Of the node spacing: cable between the touchdown point and the joint above it."""
 
 
@@ -180,13 +180,13 @@ def regrid_section(I, M, index):
     moves = first_moving(I, M, section)
     if index == 0:
         h = M[own.length + 1]
-        if h > SPLIT * spacing and moves != 1:
+        if h > REGRID_SPLIT * spacing and moves != 1:
             return split(I, M, section, first)
         if h < JOIN * spacing and count > 2 and M[share + 1] == 0.0:
             return join(I, M, section, 1)
     if moves != 0:
         h = M[own.length + moves]
-        if h > SPLIT * spacing:
+        if h > REGRID_SPLIT * spacing:
             return split(I, M, section, moves - 1)
         if h < JOIN * spacing and moves > first + 1:
             return join(I, M, section, moves - 1)
@@ -198,7 +198,7 @@ def regrid_section(I, M, index):
         total = 0.0
         for node in range(first + 1, last + 1):
             total += M[own.length + node]
-        if total < SHORTEST * spacing:
+        if total < REGRID_SHORTEST * spacing:
             return SHORT_SECTION
     return OK
 
@@ -442,7 +442,7 @@ def regrid(I, M):
     if used < own.drum_count:
         row = drum_row_of(I, M, used)
         extra = winch_of(I, M, 0).paid - row.leaves
-        if extra >= FIRST_PIECE * spacing:
+        if extra >= REGRID_FIRST_PIECE * spacing:
             # The interval at the vessel must reach past the joint.
             while M[own.length + 1] - extra < 0.1 * spacing and section_of(I, M, 0).count > 2:
                 status = join(I, M, section_of(I, M, 0), 1)
@@ -455,7 +455,7 @@ def regrid(I, M):
     if used > 0 and used == own.drum_used:
         row = drum_row_of(I, M, used - 1)
         extra = winch_of(I, M, 0).paid - row.leaves
-        if extra < 0.5 * FIRST_PIECE * spacing:
+        if extra < 0.5 * REGRID_FIRST_PIECE * spacing:
             status = take_joint_back(I, M, row, extra)
             if status != OK:
                 return status

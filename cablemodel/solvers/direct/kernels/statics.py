@@ -13,8 +13,8 @@ from .newton import solve_level
 from .stepping import set_vessel
 
 FIRST_STEP, LAST_STEP = 0.5, 1e7
-MOST_STEPS = 400
-GROWTH = 2.0
+DIRECT_MOST_STEPS = 400
+DIRECT_GROWTH = 2.0
 STEADY_TOLERANCE = 1e-9
 
 
@@ -52,7 +52,7 @@ def find_steady_state(I, M):
     dt = FIRST_STEP
     status = STATICS_FAILED
     forget(I, M)
-    for _step in range(MOST_STEPS):
+    for _step in range(DIRECT_MOST_STEPS):
         run.tolerance = min(asked, 1e-3)
         run.dt = 0.0
         run.beta = 1.0 / dt
@@ -69,7 +69,7 @@ def find_steady_state(I, M):
                 break
             continue
         set_rates(I, M)
-        dt *= GROWTH
+        dt *= DIRECT_GROWTH
         if dt > LAST_STEP:
             break
     run.tolerance = min(asked, STEADY_TOLERANCE)

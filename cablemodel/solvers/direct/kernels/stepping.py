@@ -40,9 +40,9 @@ from .regrid import make_room, regrid
 from .slack import follow_slack
 from .touchdown import change_end, time_to_landing
 
-SMALLEST_SHARE = 1.0 / 1024.0
+DIRECT_SMALLEST_SHARE = 1.0 / 1024.0
 """Of the time step: below it a step that does not converge is given up."""
-AT_ONCE = 1e-9
+DIRECT_AT_ONCE = 1e-9
 RESTART = 0.5
 """Of the water's acceleration: a change by the caller after which rates before it are of no use."""
 
@@ -123,13 +123,13 @@ def one_step(I, M, dt):
 
 
 @kernel
-def next_kink(I, M, t_end):
+def next_breakpoint(I, M, t_end):
     """The first time after `time` where an input has a kink, at most t_end; and whether the
     acceleration of vessel or water jumps there."""
     head = header(I)
     state = scalars(M)
     t = state.time
-    least = t + AT_ONCE * max(1.0, abs(t))
+    least = t + DIRECT_AT_ONCE * max(1.0, abs(t))
     nearest = t_end
     jump = 0
     if head.live == 0:
@@ -149,9 +149,9 @@ def next_kink(I, M, t_end):
         jump = 1
     if head.current_kind != 0:
         for k in range(head.time_count):
-            kink = M[head.times + k]
-            if kink > least and kink < nearest:
-                nearest = kink
+            breakpoint_ = M[head.times + k]
+            if breakpoint_ > least and breakpoint_ < nearest:
+                nearest = breakpoint_
                 jump = 1
     return nearest, jump
 
@@ -166,7 +166,7 @@ def advance(I, M, t_end):
     share = 1.0
     while state.time < t_end:
         t = state.time
-        stop, jump = next_kink(I, M, t_end)
+        stop, jump = next_breakpoint(I, M, t_end)
         count = max(1.0, math.ceil((stop - t) / (share * run.time_step) - 1e-9))
         dt = time_to_landing(I, M, (stop - t) / count)
         if dt < (stop - t) / count:
@@ -191,7 +191,7 @@ def advance(I, M, t_end):
             continue
         head.rejected += 1
         share = 0.5 * min(share, dt / run.time_step)
-        if share < SMALLEST_SHARE:
+        if share < DIRECT_SMALLEST_SHARE:
             return status
     return OK
 

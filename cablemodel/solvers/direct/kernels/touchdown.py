@@ -31,9 +31,9 @@ from .layout import (
 
 TOUCHES = 1e-4
 """Of the node spacing: a free end nearer to the floor than this is on it."""
-FLAT = 0.01
+CONTACT_FLAT = 0.01
 """Angle to the floor below which the tangent of an end in contact lies in it [rad]."""
-STOPS = 2e-3
+STICKING_SPEED = 2e-3
 """Slip that is slower than this sticks [m/s]."""
 
 
@@ -108,7 +108,7 @@ def change_end(I, M):
         if run.reaction < 0.0:
             own.end = END_FREE
             own.restart = 1
-        elif end_component(I, M, 2, 1) >= -FLAT:
+        elif end_component(I, M, 2, 1) >= -CONTACT_FLAT:
             own.end = END_TOUCHDOWN
             run.flow_end = 0.0
             run.laid = 0.0
@@ -129,5 +129,5 @@ def change_end(I, M):
         if own.sticks != 0:
             if end_component(I, M, 1, 0) > run.friction_force:
                 own.sticks = 0
-        elif end_component(I, M, 0, 0) < STOPS:
+        elif end_component(I, M, 0, 0) < STICKING_SPEED:
             own.sticks = 1

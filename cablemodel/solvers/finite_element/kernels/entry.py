@@ -9,7 +9,8 @@ from numba import float64, int64
 from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
 from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
 from cablemodel.solvers.finite_element.kernels.line import system
-from cablemodel.solvers.finite_element.kernels.mesh import follow, refine
+from cablemodel.solvers.finite_element.kernels.mesh import bending_mesh as refine
+from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh as follow
 from cablemodel.solvers.finite_element.kernels.outputs import (
     energies,
     interface,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-WIDE = 3.0
+SHAPE_WIDE = 3.0
 """Of a layer: half the length of cable in which a line that hangs and floats turns back."""
 TIGHT = 0.3
 """Of a layer: a bight whose catenary would have a smaller radius is a loop, as wide as that."""
@@ -116,14 +116,14 @@ def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn |
         return None
     length = math.fsum(line)
     near = [
-        place + WIDE * layer * np.linspace(-6.0, 6.0, 241)
+        place + SHAPE_WIDE * layer * np.linspace(-6.0, 6.0, 241)
         for place, layer in zip(turns, layers, strict=True)
     ]
     s = np.unique(np.clip(np.concatenate([np.linspace(0.0, length, 201), *near]), 0.0, length))
     angle = np.full(len(s), 0.0 if sections[0][1] else math.pi)  # from straight down
     back = 1.0 if sections[0][1] else -1.0
     for place, layer in zip(turns, layers, strict=True):
-        angle += back * 0.5 * math.pi * (1.0 + np.tanh((s - place) / (WIDE * layer)))
+        angle += back * 0.5 * math.pi * (1.0 + np.tanh((s - place) / (SHAPE_WIDE * layer)))
         back = -back
     middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(s)
     aside, down = np.cumsum(step * np.sin(middle)), np.cumsum(step * np.cos(middle))

@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError, StaticsError
 from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.start import azimuth as heading
+from cablemodel.solvers.finite_element.start import continuation as continuation
 from cablemodel.solvers.finite_element.start import (
-    easier_ways,
-    heading,
     laid_loads,
     laid_shape,
     laid_start,
     sea_floor,
     search,
 )
-from cablemodel.solvers.finite_element.start.attempts import Attempt
 from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.scales import sinks
+from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_PARTS = 32
+_START_PARTS = 32
 """Of an element, whose chords are its length: of the whole line a few hundred would cut the corner
 at the touchdown, by more than what is slack."""
 _LEAST = 1e-4
 """Of the line's length: what lies on the floor may push so much shorter."""
 
 
-def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
+def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
     """The state of a block whose nodes are placed: velocities, tensions, a static shape.
 
     Raises:
@@ -63,7 +63,7 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
                 "a vessel at rest at t = 0, or initial: {points: [...]}",
             )
         try:
-            solve_static(block, scene, frame, attempt)
+            solve_static(block, scene, frame, strategy)
             if _is_crushed(block, scene):
                 raise StaticsError("no static equilibrium was found")
         except StaticsError:
@@ -75,7 +75,7 @@ def find_initial_state(block: Block, scene: Scene, attempt: Attempt) -> None:
             ) from None
     if entry.stabilise(ints, reals) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
-        solve_static(block, scene, frame, attempt)
+        solve_static(block, scene, frame, strategy)
     count_from_zero(block)
     if head.hybrid or head.rigid or head.payout:
         entry.choose_bending(ints, reals)
@@ -102,7 +102,7 @@ def _is_crushed(block: Block, scene: Scene) -> bool:
 
     edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
     nodes = np.unique([0.0, *np.clip(edges[1:, at.Edge.start], 0.0, length), length])
-    parts = np.arange(_PARTS * (len(nodes) - 1) + 1) / _PARTS
+    parts = np.arange(_START_PARTS * (len(nodes) - 1) + 1) / _START_PARTS
     stations = np.interp(parts, np.arange(len(nodes)), nodes)
     rows = np.empty((len(stations), at.STATION_WORDS))
     entry.sample(block.ints, block.reals, stations, rows.reshape(-1))
@@ -132,7 +132,7 @@ def steady_velocity(block: Block, scene: Scene) -> FloatArray:
     return np.ascontiguousarray(local(block, velocity, point=False))
 
 
-def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt) -> None:
+def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strategy) -> None:
     """Bring a block to equilibrium in a frame that moves with the velocity ``frame`` [m/s].
 
     Raises:
@@ -159,33 +159,33 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt
             winch.rate = rate
 
     def solve_in_few_steps() -> int:
-        return easier_ways.in_few_steps(block, solve_at_once)
+        return continuation.in_few_steps(block, solve_at_once)
 
-    floors = easier_ways.FLOORS if attempt.patient else easier_ways.FLOORS[:1]
+    floors = continuation.FLOORS if strategy.patient else continuation.FLOORS[:1]
     ways: list[Callable[[], int]] = [
         solve_at_once,
         *(
-            partial(easier_ways.on_hardening_floors, block, solve_at_once, softer)
+            partial(continuation.on_hardening_floors, block, solve_at_once, softer)
             for softer in (floors if head.floor_kind else ())
         ),
     ]
     if rate > 0.0 and head.floor_kind and not held:
-        harden = partial(easier_ways.on_a_floor_that_hardens, block, solve_at_once)
-        ways = [solve_in_few_steps if attempt.at_once else harden]
-        if attempt.comes_up:
-            ways.append(partial(easier_ways.as_momentum_comes_up, block, solve_in_few_steps))
-    solve = partial(easier_ways.first_of, block, ways)
-    if attempt.patient:
-        turning = partial(easier_ways.with_turned_clamps, block, solve, solve_at_once)
-        solve = partial(easier_ways.first_of, block, [ways[0], turning, *ways[1:]])
+        harden = partial(continuation.on_a_floor_that_hardens, block, solve_at_once)
+        ways = [solve_in_few_steps if strategy.at_once else harden]
+        if strategy.comes_up:
+            ways.append(partial(continuation.as_momentum_comes_up, block, solve_in_few_steps))
+    solve = partial(continuation.first_of, block, ways)
+    if strategy.patient:
+        turning = partial(continuation.with_turned_clamps, block, solve, solve_at_once)
+        solve = partial(continuation.first_of, block, [ways[0], turning, *ways[1:]])
 
-    if attempt.as_laid:
+    if strategy.as_laid:
         hold = solve_in_few_steps if rate > 0.0 else solve
-        if attempt.lets_go:
-            laid_start.let_go(block, scene, solve if attempt.passing else solve_at_once, hold)
+        if strategy.lets_go:
+            laid_start.let_go(block, scene, solve if strategy.intermediate else solve_at_once, hold)
             status = int(at.OK)
         else:
-            status = laid_start.lie_still(block, scene, solve, hold, attempt.lies)
+            status = laid_start.lie_still(block, scene, solve, hold, strategy.lies)
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.

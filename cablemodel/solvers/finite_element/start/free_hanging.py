@@ -25,12 +25,12 @@ FloatArray = NDArray[np.float64]
 Triple = tuple[float, float, float]
 Shape = tuple[FloatArray, FloatArray, FloatArray]
 
-STEPS = 64
+HANGING_STEPS = 64
 """In which the hanging part is integrated."""
 TURNS, WIDEST, NUDGE = 50, 0.5, 1e-7
 """Iterations for the direction of a step at most; the largest turn of one, that of a difference
 [rad]."""
-NEAR = 1e-9
+HANGING_NEAR = 1e-9
 """Of the line's length: from the floor, where it has landed."""
 NARROW = 1e-7
 """Of the line's length: the piece that lands, where the drop of its end jumps (a body lands)."""
@@ -97,7 +97,7 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         total,
         at_low=height,
         at_high=gap,
-        near=NEAR * total,
+        near=HANGING_NEAR * total,
         width=NARROW * total,
     )
     points = shape[0]
@@ -118,7 +118,7 @@ class _Water:
         floor = scene.environment.floor
         assert floor is not None
         bottom = min(floor.height(float(start[0]), float(start[1])), float(start[2]))
-        z = np.linspace(bottom, float(start[2]), STEPS + 1)
+        z = np.linspace(bottom, float(start[2]), HANGING_STEPS + 1)
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
         self.rate = scene.rate_at_start
@@ -126,7 +126,7 @@ class _Water:
 
     def at(self, share: float) -> Triple:
         """At a share of the height of the tow point above the floor [m/s]."""
-        row = self._rows[min(STEPS, max(0, round(share * STEPS)))]
+        row = self._rows[min(HANGING_STEPS, max(0, round(share * HANGING_STEPS)))]
         return row[0], row[1], row[2]
 
 
@@ -193,7 +193,7 @@ def _integrate(
     """
     knots = [first, last]
     knots += [k for p in line for k in (p.start, p.end) if first < k < last]
-    arcs = sorted({*np.linspace(first, last, STEPS + 1).tolist(), *knots})
+    arcs = sorted({*np.linspace(first, last, HANGING_STEPS + 1).tolist(), *knots})
     points = [p for p in line if p.start == p.end and first <= p.start < last]
     # The pull of the cable above on what is below it, to begin with by its own loads.
     pull = -tension * float(way[0]), -tension * float(way[1]), 0.0

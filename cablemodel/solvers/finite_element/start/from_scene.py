@@ -29,7 +29,6 @@ from cablemodel.solvers.finite_element.start import (
     unstable_start,
     waves,
 )
-from cablemodel.solvers.finite_element.start.attempts import Attempt, attempts, described
 from cablemodel.solvers.finite_element.start.first_shape import (
     bight,
     first_points,
@@ -46,7 +45,7 @@ from cablemodel.solvers.finite_element.start.first_state import (
 from cablemodel.solvers.finite_element.start.frame import vertical_plane
 from cablemodel.solvers.finite_element.start.line import Line, lay_out, spans_of
 from cablemodel.solvers.finite_element.start.refinement import (
-    ROUNDS,
+    REFINEMENT_ROUNDS,
     guess_of,
     halved,
     refine_touchdown,
@@ -56,6 +55,7 @@ from cablemodel.solvers.finite_element.start.refinement import (
 from cablemodel.solvers.finite_element.start.refusals import refuse_unsupported
 from cablemodel.solvers.finite_element.start.scales import start_conditions, tension_scale
 from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
+from cablemodel.solvers.finite_element.start.strategies import Strategy, described, strategies
 from cablemodel.solvers.finite_element.start.winch import Winch, winch_of
 from cablemodel.solvers.shared.layout import Header
 
@@ -81,13 +81,15 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
     refuse_unsupported(scene)
     first: StaticsError | None = None
     with searching(scene) as search:
-        for attempt in _attempts(scene):
-            sought = scene if attempt.points is None and not scene.starts_steady else _steady(scene)
-            built = _built_as_laid if attempt.as_laid else _built_as_lay
-            search.tries(described(attempt))
+        for strategy in _strategies(scene):
+            sought = (
+                scene if strategy.points is None and not scene.starts_steady else _steady(scene)
+            )
+            built = _built_as_laid if strategy.as_laid else _built_as_lay
+            search.tries(described(strategy))
             try:
-                found = built(sought, planar, room, attempt)
-                if not attempt.as_laid and laid_start.applies(sought):
+                found = built(sought, planar, room, strategy)
+                if not strategy.as_laid and laid_start.applies(sought):
                     _say_if_drawn(found, sought)
                 if laid_loads.becomes_taut(sought):
                     needed = laid_loads.lay_rate(sought)
@@ -98,7 +100,7 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                 points = ", or start from initial: {straight: ...} or {points: ...}"
                 raise search.gives_up(what_is_hard(scene), points) from None
             except StaticsError as problem:
-                if not attempt.as_laid:  # without friction it may come to rest
+                if not strategy.as_laid:  # without friction it may come to rest
                     first = first or problem
     assert first is not None
     raise first
@@ -115,17 +117,17 @@ def _say_if_drawn(block: Block, scene: Scene) -> None:
         warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
 
 
-def _attempts(scene: Scene) -> Iterator[Attempt]:
+def _strategies(scene: Scene) -> Iterator[Strategy]:
     """All attempts for a scene; of points that take a steady motion, those from them last."""
     if not scene.starts_steady:
-        yield from attempts(scene)
+        yield from strategies(scene)
         return
     steady = _steady(scene)
-    yield from attempts(steady)
+    yield from strategies(steady)
     points = np.asarray(scene.initial.points, dtype=np.float64)
     if laid_start.applies(steady):
-        yield Attempt(as_laid=True, points=points)
-    yield Attempt(points=points)
+        yield Strategy(as_laid=True, points=points)
+    yield Strategy(points=points)
 
 
 def _steady(scene: Scene) -> Scene:
@@ -133,37 +135,37 @@ def _steady(scene: Scene) -> Scene:
     return scene.model_copy(update={"initial": Initial.model_validate("static")})
 
 
-def _built_as_laid(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+def _built_as_laid(scene: Scene, planar: bool | None, room: float, strategy: Strategy) -> Block:
     """What friction holds, from where it lies at coarser tolerances."""
     coarser = laid_start.coarser(scene)
     if coarser is None:
-        return _built_as_lay(scene, planar, room, attempt)
-    lies = _built_as_laid(coarser, planar, 1.0, replace(attempt, passing=True))
+        return _built_as_lay(scene, planar, room, strategy)
+    lies = _built_as_laid(coarser, planar, 1.0, replace(strategy, intermediate=True))
     try:
-        return _built(scene, planar, room, replace(attempt, lies=lies))
+        return _built(scene, planar, room, replace(strategy, lies=lies))
     except StaticsError:
-        return _built(scene, planar, room, attempt)  # anew, from the first shape
+        return _built(scene, planar, room, strategy)  # anew, from the first shape
 
 
-def _built_as_lay(scene: Scene, planar: bool | None, room: float, attempt: Attempt) -> Block:
+def _built_as_lay(scene: Scene, planar: bool | None, room: float, strategy: Strategy) -> Block:
     """What a lay has laid: at once; or of cable that gets its momentum bit by bit, where that is
     large; or from cable that bends less and less so; or from where it lies on a floor that is
     softer, at a coarser tolerance."""
     if laid_start.outruns_its_foot(scene):
         with contextlib.suppress(StaticsError):
-            return _built(scene, planar, room, replace(attempt, at_once=True, comes_up=True))
+            return _built(scene, planar, room, replace(strategy, at_once=True, comes_up=True))
     softer = laid_start.on_softer_floor(scene)
     try:
-        return _built_from_stiffer(scene, planar, room, attempt, patient=softer is None)
+        return _built_from_stiffer(scene, planar, room, strategy, patient=softer is None)
     except StaticsError:
         if softer is None:
             raise
-        lies = _built_as_lay(softer, planar, 1.0, replace(attempt, passing=True))
-    return _built(scene, planar, room, replace(attempt, lies=lies, at_once=True))
+        lies = _built_as_lay(softer, planar, 1.0, replace(strategy, intermediate=True))
+    return _built(scene, planar, room, replace(strategy, lies=lies, at_once=True))
 
 
 def _built_from_stiffer(
-    scene: Scene, planar: bool | None, room: float, attempt: Attempt, *, patient: bool
+    scene: Scene, planar: bool | None, room: float, strategy: Strategy, *, patient: bool
 ) -> Block:
     """A lay at once, or from cable that bends less and less so; patient: the stiffest of them on
     floors that harden.
@@ -174,8 +176,8 @@ def _built_from_stiffer(
     """
     layers = laid_start.stiffer_layers(scene)
     if not layers:
-        return _built(scene, planar, room, attempt)
-    at_once = replace(attempt, at_once=True)
+        return _built(scene, planar, room, strategy)
+    at_once = replace(strategy, at_once=True)
     try:
         return _built(scene, planar, room, at_once)
     except StaticsError:
@@ -183,14 +185,16 @@ def _built_from_stiffer(
     layer, own = layers
     step = laid_start.STEP_OF_LAYER
     stiff = partial(laid_start.stiffer, scene)
-    stiffest = replace(attempt if patient else at_once, passing=True)
+    stiffest = replace(strategy if patient else at_once, intermediate=True)
     lies = _built(stiff(layer), planar, 1.0, stiffest)
     while True:
         thinner = max(own, layer / step)
         try:
             if thinner == own:
                 return _built(scene, planar, room, replace(at_once, lies=lies))
-            lies = _built(stiff(thinner), planar, 1.0, replace(at_once, lies=lies, passing=True))
+            lies = _built(
+                stiff(thinner), planar, 1.0, replace(at_once, lies=lies, intermediate=True)
+            )
             layer = thinner
         except StaticsError:
             step = math.sqrt(layer / thinner)
@@ -202,22 +206,22 @@ def _built(
     scene: Scene,
     planar: bool | None,
     room: float,
-    attempt: Attempt,
+    strategy: Strategy,
 ) -> Block:
     scale = tension_scale(scene)
     hangs = hung = None
-    if attempt.lies is not None:
-        guess = guess_of(attempt.lies, scene)
-    elif attempt.points is not None:
-        guess = laid_shape.Guess(attempt.points)
+    if strategy.lies is not None:
+        guess = guess_of(strategy.lies, scene)
+    elif strategy.points is not None:
+        guess = laid_shape.Guess(strategy.points)
     else:
         position = scene.motion().evaluate(0.0)[0]
-        hung = held_line.hung(scene, position) if attempt.hung else None
-        points = first_points(scene, position, swept=attempt.swept)
-        hangs = bight(scene, position) if attempt.bight else None
+        hung = held_line.hung(scene, position) if strategy.hung else None
+        points = first_points(scene, position, swept=strategy.swept)
+        hangs = bight(scene, position) if strategy.bight else None
         if hangs is not None:
             points = hangs.points
-        guess = hung or laid_shape.on_floor(scene, points, drawn=attempt.swept)
+        guess = hung or laid_shape.on_floor(scene, points, drawn=strategy.swept)
     points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
@@ -227,20 +231,20 @@ def _built(
         nodes = held_line.graded(scene, nodes, hung)
     nodes = laid_shape.refine_guess(scene, nodes, guess)
     nodes = waves.refine(scene, nodes, points)
-    if attempt.halved:
+    if strategy.halved:
         nodes = halved(scene, nodes)
-    find = partial(find_initial_state, scene=scene, attempt=attempt)
+    find = partial(find_initial_state, scene=scene, strategy=strategy)
     build_on = partial(_build_on, scene, scale=scale, planar=planar, room=room)
     if scene.initial.kind != "static":
         return build_on(nodes, guess, find=find)
 
-    stays = attempt.as_laid and scene.rate_at_start > 0.0 and not laid_loads.is_dragged(scene)
+    stays = strategy.as_laid and scene.rate_at_start > 0.0 and not laid_loads.is_dragged(scene)
 
     def finer_block(nodes: list[FloatArray], block: Block) -> Block:
         """On more nodes, from a block; what has been laid stays where it is in that."""
         guess = guess_of(block, scene)
         if stays:
-            held = partial(find, attempt=replace(attempt, lies=block))
+            held = partial(find, strategy=replace(strategy, lies=block))
             try:
                 return build_on(nodes, guess, find=held)
             except StaticsError:
@@ -249,7 +253,7 @@ def _built(
 
     def start(nodes: list[FloatArray], guess: laid_shape.Guess) -> Block:
         block = build_on(nodes, guess, find=find)
-        for _round in range(ROUNDS):
+        for _round in range(REFINEMENT_ROUNDS):
             finer = refined(block, scene, nodes)
             if finer is None:
                 break
@@ -260,17 +264,17 @@ def _built(
                     raise
                 break  # what has been laid is at rest on the mesh before it
             nodes = finer
-        refine_touchdown(block, scene, attempt)
+        refine_touchdown(block, scene, strategy)
         if stays:
             frame = steady_velocity(block, scene)
-            solve_static(block, scene, frame, replace(attempt, lets_go=True))
+            solve_static(block, scene, frame, replace(strategy, lets_go=True))
             count_from_zero(block)
         return block
 
     stand = partial(build_on, find=partial(stand_still, scene=scene))
-    ways = unstable_start.Ways(stand, start, in_place=attempt.as_laid)
+    ways = unstable_start.Ways(stand, start, in_place=strategy.as_laid)
     found = start(nodes, guess)
-    return found if attempt.passing else unstable_start.left(found, scene, ways)
+    return found if strategy.intermediate else unstable_start.left(found, scene, ways)
 
 
 def _build_on(

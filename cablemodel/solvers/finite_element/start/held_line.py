@@ -31,19 +31,19 @@ FloatArray = NDArray[np.float64]
 
 LINKS = 400
 """Of the chain in each cable and body."""
-ROUNDS = 30
+HELD_ROUNDS = 30
 """In which the drag follows the shape, by halves."""
-STEPS = 60
+HELD_STEPS = 60
 """Of Newton's method, at most."""
-NEAR = 1e-9
+HELD_NEAR = 1e-9
 """Of the line's length: how near to its place the far end comes."""
-WIDE = 2.0
+HELD_WIDE = 2.0
 """Of a layer: half the length in which a turn of the chain is made."""
 FLEXIBLE = 0.02
 """Of a cable's length: that of one without stiffness, which elements must turn with."""
-TURN = 0.5
+HELD_TURN = 0.5
 """By which the chain turns within an element, at most [rad]."""
-SHORTEST = 2e-3
+HELD_SHORTEST = 2e-3
 """Element, of the line's length, that is not made shorter for that."""
 SMOOTH = 1e-6
 """Of all loads: a force that is none next to it has no direction."""
@@ -76,7 +76,7 @@ def hung(scene: Scene, start: FloatArray) -> Guess | None:
     tangents = np.tile(np.array([0.0, 0.0, -1.0]), (len(ds), 1))
     drag = np.zeros((len(ds), 3))
     force = np.zeros(3)
-    for round_ in range(ROUNDS):
+    for round_ in range(HELD_ROUNDS):
         flow = laid_loads.water_velocity(scene, 0.5 * (places[1:, 2] + places[:-1, 2]))
         part = np.sum(flow * tangents, axis=1)[:, None] * tangents
         across = flow - part
@@ -141,7 +141,7 @@ def _bent(
             if not is_flexible(scene, item.cable):
                 stiffness = scene.cable_types[item.cable.type].bending_stiffness
                 load = max(float(loads[links].mean()), 1e-30)
-                width = max(width, WIDE * (stiffness / load) ** (1.0 / 3.0))
+                width = max(width, HELD_WIDE * (stiffness / load) ** (1.0 / 3.0))
             width = min(width, 0.1 * item.cable.length)
             away = (joints[inside][:, None] - joints[inside]) / width
             # Each turn as tanh spreads it, whole: what would go past an end stays inside.
@@ -178,12 +178,12 @@ def graded(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[FloatArr
     offsets = dict(
         zip(np.cumsum([0.0, *(c.length for c in scene.cables)])[:-1], starts, strict=True)
     )
-    shortest = SHORTEST * scene.line_length
+    shortest = HELD_SHORTEST * scene.line_length
 
     def is_too_long(start: float, a: float, b: float) -> bool:
         below = offsets[min(offsets, key=lambda place: abs(place - start))]
         first, last = np.interp([start + a + below, start + b + below], middle, turned)
-        return b - a > shortest and last - first > TURN
+        return b - a > shortest and last - first > HELD_TURN
 
     return halved_where(scene.cables, nodes, is_too_long)
 
@@ -212,8 +212,8 @@ def _force_at_start(
 
     length = float(ds.sum())
     left, slope, value = gap(force)
-    for _step in range(STEPS):
-        if float(np.linalg.norm(left)) < NEAR * length:
+    for _step in range(HELD_STEPS):
+        if float(np.linalg.norm(left)) < HELD_NEAR * length:
             return force
         way = -np.linalg.solve(slope, left)
         downhill = float(left @ way)

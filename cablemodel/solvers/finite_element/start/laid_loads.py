@@ -23,11 +23,11 @@ FloatArray = NDArray[np.float64]
 DRAGGED = 5e-4
 """Of the rate of a lay without tension: where a lay falls short of it by more, what lies is drawn
 over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
-UNEVEN = 0.1
+LAID_UNEVEN = 0.1
 """The same over a depth table, where that rate changes from place to place."""
-FLAT = 0.04
+LAID_FLAT = 0.04
 """Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
-STEEP = 0.01
+LAID_STEEP = 0.01
 """Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
 
 
@@ -152,7 +152,7 @@ def lay_rate(scene: Scene) -> float:
     if down is None:
         return speed
     if up >= down:
-        return STEEP * speed  # the line does not come down to the floor behind it
+        return LAID_STEEP * speed  # the line does not come down to the floor behind it
     return speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
 
 
@@ -175,7 +175,7 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
         return velocity, rate
     up = _rise_ahead(scene, place, velocity)
     down = _angle_of(scene, speed)
-    if up == 0.0 or down is None or down - up < FLAT:
+    if up == 0.0 or down is None or down - up < LAID_FLAT:
         return velocity, rate
     over_ground = speed * math.sin(down) / math.sin(down - up)
     exact = speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
@@ -212,7 +212,7 @@ def is_dragged(scene: Scene) -> bool:
     rate = min(lay_rate(scene), float(np.hypot(velocity[0], velocity[1])))
     floor = scene.environment.floor
     uneven = floor is not None and floor.z is None
-    return rate - scene.rate_at_start > (UNEVEN if uneven else DRAGGED) * rate
+    return rate - scene.rate_at_start > (LAID_UNEVEN if uneven else DRAGGED) * rate
 
 
 def becomes_taut(scene: Scene) -> bool:

@@ -36,11 +36,11 @@ LEVELS = 25
 """In which the way down through the contact layer is computed."""
 BEND = 2.0
 """Radius with which a first shape turns on to the floor, in touchdown layers."""
-TURN = 0.4
+SHAPE_TURN = 0.4
 """Length of elements in units of that in which a lay's bend dies out above the touchdown."""
 DIED_OUT = 1e-8
 """What is left of that bend where elements may be longer."""
-STEEP = math.radians(60.0)
+SHAPE_STEEP = math.radians(60.0)
 """A lay at larger angles needs no elements for that: it dies out as slowly as tension grows."""
 GRADING = 0.5
 """Length of elements per distance from the touchdown of a first shape."""
@@ -250,7 +250,7 @@ def _bend_of_lay(scene: Scene) -> tuple[FloatArray, FloatArray]:
         return np.zeros(1), np.zeros(1)
     weight, density = kind.submerged_weight, scene.environment.water_density
     angle = lay_angle(weight, 0.5 * density * kind.drag_normal * kind.diameter * speed**2)
-    if angle > STEEP:
+    if angle > SHAPE_STEEP:
         return np.zeros(1), np.zeros(1)
     layer = touchdown_layer(scene, cable)
     stiffness = contact_weight(kind, scene.environment.gravity) * layer**3
@@ -263,7 +263,7 @@ def _bend_of_lay(scene: Scene) -> tuple[FloatArray, FloatArray]:
         pull = weight * math.sin(angle) * heights[-1] - momentum
         roots = np.roots([stiffness, 0.0, -pull, turns_back])
         slowest = min((root for root in roots if root.real > 0.0), key=lambda root: root.real)
-        longest.append(TURN / abs(slowest))
+        longest.append(SHAPE_TURN / abs(slowest))
         heights.append(heights[-1] + longest[-1])
         left *= math.exp(-float(slowest.real) * longest[-1])
     return np.array(heights), np.array([*longest, longest[-1]])

@@ -27,7 +27,8 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     STEEPEST,
     STIFFENING,
 )
-from cablemodel.solvers.finite_element.start import easier_ways, laid_loads, sea_floor
+from cablemodel.solvers.finite_element.start import continuation as continuation
+from cablemodel.solvers.finite_element.start import laid_loads, sea_floor
 from cablemodel.solvers.finite_element.start.frame import earth, local
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -44,19 +45,19 @@ LAYING = 0.1
 """The same of a lay, whose first shape is nearly at rest: little pulls it far with longer ones."""
 PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
-CALM = 0.02
+LAID_START_CALM = 0.02
 """What the bristles may hold beyond that, in tau times the weight of the line."""
 SMALLEST_STEP = 1.0 / 32.0
 """Of the way on which bristles get their own length, where at once finds no equilibrium."""
 GROWN = 0.01
 """Change of what the floor bears at a node from one pass to the next, at most."""
-COARSEST, FINER = 1e-2, 16.0
+COARSEST, LAID_START_FINER = 1e-2, 16.0
 """Tolerances at which what lies is looked for in turn: this one, a quarter of it, and so on."""
 SOFTER = 4.0
 """Of the tolerance of a lay that finds no start: at which the next one is sought."""
 LEAST = 1.5
 """Of the tolerance that is asked for: by what these are coarser at least."""
-STEPS = 200
+LAID_START_STEPS = 200
 """Of a relaxation over a depth table, at most. What lies on ridges slides over them a crest at a
 time, or never gets there: the plainest start, in which valleys hold it, is next."""
 STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.2
@@ -91,8 +92,8 @@ def coarser(scene: Scene) -> Scene | None:
     tolerance = COARSEST
     if scene.solver.tolerance * LEAST > tolerance or laid_loads.is_dragged(scene):
         return None
-    while scene.solver.tolerance * LEAST * FINER <= tolerance:
-        tolerance /= FINER
+    while scene.solver.tolerance * LEAST * LAID_START_FINER <= tolerance:
+        tolerance /= LAID_START_FINER
     return _at_tolerance(scene, tolerance)
 
 
@@ -173,8 +174,11 @@ def lie_still(
     bristle, soft = float(state.bristle), _longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     if not _is_even(scene):
-        few = easier_ways.in_few_steps
-        solve, hold = partial(few, block, solve, STEPS), partial(few, block, hold, STEPS)
+        few = continuation.in_few_steps
+        solve, hold = (
+            partial(few, block, solve, LAID_START_STEPS),
+            partial(few, block, hold, LAID_START_STEPS),
+        )
     if coarser is not None:
         laid = _places_in(coarser, block)
     else:
@@ -201,7 +205,7 @@ def lie_still(
 
     if coarser is not None:
         return hold_with(1.0)
-    return easier_ways.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
+    return continuation.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
 
 
 def _is_even(scene: Scene) -> bool:
@@ -251,7 +255,7 @@ def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[]
         held = state.friction * float(bears[lies] @ moved[lies]) / soft
         # What the floor bears for long has grown meanwhile, and friction with it.
         grown, _drags = _loads(block, scene)
-        calm = held <= CALM * scene.solver.tolerance * float(bears.sum())
+        calm = held <= LAID_START_CALM * scene.solver.tolerance * float(bears.sum())
         if calm and np.all(np.abs(grown - bears) <= GROWN * bears):
             break
     return int(at.OK)
@@ -274,7 +278,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
     pulls = tension[_lying_elements(block, which_lie(block, scene))].max(initial=0.0)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     weight = float(edges[1:, at.Edge.weight] @ edges[1:, at.Edge.length])
-    if pulls <= CALM * scene.solver.tolerance * abs(weight):
+    if pulls <= LAID_START_CALM * scene.solver.tolerance * abs(weight):
         return
     before = block.image.copy()
     status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
@@ -498,8 +502,8 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
         if node < 0:
             continue
         ends = [int(parents[node]), node] if body[at.Body.length] > 0.0 else [node]
-        for end, borne in zip(ends, body[at.Body.support.span], strict=False):
-            bears[end] += abs(body[at.Body.weight]) * borne / len(ends)
+        for end, support_load in zip(ends, body[at.Body.support.span], strict=False):
+            bears[end] += abs(body[at.Body.weight]) * support_load / len(ends)
             if lies[node]:
                 drags[end] += body[at.Body.drag] * normal[end] / len(ends)
                 drags[end] += body[at.Body.drag_axial] * tangential[end] / len(ends)

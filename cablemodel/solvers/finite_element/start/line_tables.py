@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import RIGID, STABILISATION
+from cablemodel.solvers.finite_element.kernels.element.tables import ELEMENT_RIGID, STABILISATION
 from cablemodel.solvers.finite_element.start import sea_floor
 from cablemodel.solvers.finite_element.start.line import Line
 from cablemodel.solvers.finite_element.start.winch import Winch
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-SOFTEST = 3e-5
+TABLE_SOFTEST = 3e-5
 """Its largest axial compliance, in units of that of the line."""
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 
@@ -148,4 +148,6 @@ def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None
         scene.cable_types[cable.type].strain_coefficients[0] * cable.length
         for cable in scene.cables
     )
-    row[at.Body.compliance] = min(row[at.Body.length] / (RIGID * scale), SOFTEST * stretch)
+    row[at.Body.compliance] = min(
+        row[at.Body.length] / (ELEMENT_RIGID * scale), TABLE_SOFTEST * stretch
+    )

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from cablemodel.errors import StaticsError
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import laid_loads, laid_shape
-from cablemodel.solvers.finite_element.start.attempts import Attempt
 from cablemodel.solvers.finite_element.start.first_state import (
     count_from_zero,
     solve_static,
@@ -21,6 +20,7 @@ from cablemodel.solvers.finite_element.start.first_state import (
 )
 from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.finite_element.start.scales import pays_out, start_conditions
+from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import LIGHT_DAMPING, Header
 
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-ROUNDS = 14
+REFINEMENT_ROUNDS = 14
 """Times that a mesh is refined at most."""
-BENT = 2.5
+REFINEMENT_BENT = 2.5
 """Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 FAR_TOO_BENT = 4.0
 """Times that, from where on halving elements once would not do: an FMU, whose elements are as they
 are, warns of a start that it found anew."""
 LARGEST_STATIC_MESH = 4000
-SPARE = 24, 2.0
+REFINEMENT_SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 WINCH = 2
 """Times that many where a winch runs: it needs some of its own when all others bend."""
@@ -64,7 +64,7 @@ def spare_nodes(scene: Scene, nodes: int, longest: float) -> int:
     so many times its own."""
     if not _may_follow_bending(scene, longest):
         return 0
-    spare = SPARE[0] + math.ceil(SPARE[1] * nodes)
+    spare = REFINEMENT_SPARE[0] + math.ceil(REFINEMENT_SPARE[1] * nodes)
     return WINCH * spare if pays_out(scene) or scene.payout.drum else spare
 
 
@@ -101,7 +101,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
     last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
     indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
-    split = indicator > BENT * scene.solver.tolerance * scene.line_length
+    split = indicator > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     if not split.any() or count > LARGEST_STATIC_MESH:
         return None
     fixed = [cable.elements is not None for cable in scene.cables]
@@ -189,7 +189,7 @@ def _node_places(block: Block) -> FloatArray:
     return earth(block, block.array(Header.position, count, 2 * dimension)[:, :dimension])
 
 
-def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
+def refine_touchdown(block: Block, scene: Scene, strategy: Strategy) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape.
 
     Over ridges contact may come and go on a finer mesh without end: the start is then at rest on
@@ -198,8 +198,8 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
     from cablemodel.solvers import library as entry
 
     frame = steady_velocity(block, scene)
-    stays = attempt.as_laid and not laid_loads.is_dragged(scene)
-    for turn in range(ROUNDS):
+    stays = strategy.as_laid and not laid_loads.is_dragged(scene)
+    for turn in range(REFINEMENT_ROUNDS):
         at_rest = block.image.copy()
         changed = entry.refine_at_floor(block.ints, block.reals)
         while changed == at.NO_CAPACITY:
@@ -215,24 +215,24 @@ def refine_touchdown(block: Block, scene: Scene, attempt: Attempt) -> None:
             entry.choose_bending(block.ints, block.reals)
         try:
             anew = turn == 0 and scene.rate_at_start <= 0.0
-            if anew or not (stays and _rests_where_it_lies(block, scene, frame, attempt)):
-                solve_static(block, scene, frame, attempt)
+            if anew or not (stays and _rests_where_it_lies(block, scene, frame, strategy)):
+                solve_static(block, scene, frame, strategy)
         except StaticsError:
-            if attempt.as_laid and scene.rate_at_start <= 0.0:
+            if strategy.as_laid and scene.rate_at_start <= 0.0:
                 raise  # without friction it may come to rest; a lay would be another one
             block.image[:] = at_rest
             break
     count_from_zero(block)
 
 
-def _rests_where_it_lies(block: Block, scene: Scene, frame: FloatArray, attempt: Attempt) -> bool:
+def _rests_where_it_lies(block: Block, scene: Scene, frame: FloatArray, strategy: Strategy) -> bool:
     """Whether a line that was laid before rests with what lies where it is; else nothing changes.
 
     Laid anew on every mesh it slides a little each time, and the mesh chases its contacts.
     """
     before = block.image.copy()
     try:
-        solve_static(block, scene, frame, replace(attempt, lies=block))
+        solve_static(block, scene, frame, replace(strategy, lies=block))
     except StaticsError:
         block.image[:] = before
         return False

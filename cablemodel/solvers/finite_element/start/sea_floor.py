@@ -32,12 +32,12 @@ SHARPEST = 1.2, 0.003
 tau times the height from which it hangs, and of that height: their sum. Folds of slack cable push
 back with some four times its weight. Without the second part they take more time than there is,
 and shallow lays do not start."""
-LOWEST = 0.2
+FLOOR_LOWEST = 0.2
 """Of the line's length: least height that it is taken to hang from. Longer ones hang at less than
 12 degrees, or lie: with less their starts took up to 20 s."""
 UNFOLDING = 1.2, 0.003
 """Layer from which on a lay does not fold on the way to its start, in units of tau L, and of L."""
-SPARE = 40, 30
+FLOOR_SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
 
 
@@ -56,7 +56,7 @@ def hanging_height(scene: CableScene) -> float:
     if floor is None or payout is None or not payout.drum or end is None or end.kind != "free":
         return length
     height = z - floor.height(x, y)
-    return min(max(height, LOWEST * length), length)
+    return min(max(height, FLOOR_LOWEST * length), length)
 
 
 def least_bending(scene: CableScene, kind: CableType) -> float:
@@ -91,14 +91,14 @@ def spare_nodes(scene: Scene) -> int:
         item.cable.length for item in scene.payout.drum if item.cable is not None
     )
     halvings = math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
-    return SPARE[0] + SPARE[1] * halvings + _nodes_over_ridges(scene, longest)
+    return FLOOR_SPARE[0] + FLOOR_SPARE[1] * halvings + _nodes_over_ridges(scene, longest)
 
 
 def _nodes_over_ridges(scene: Scene, longest: float) -> int:
     """Nodes of a line of this length that lies on a depth table all along.
 
-    There h^2 times the jump of curvature stays below tau L (kernels/mesh/follow.py); from one cubic
-    of the table to the next the curvature may jump by twice the sharpest.
+    There h^2 times the jump of curvature stays below tau L (kernels/mesh/touchdown_mesh.py); from
+    one cubic of the table to the next the curvature may jump by twice the sharpest.
     """
     floor = scene.environment.floor
     if floor is None or floor.z is not None:

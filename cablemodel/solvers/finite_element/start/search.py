@@ -33,9 +33,9 @@ FloatArray = NDArray[np.float64]
 ITERATION = 2e-6, 6e-6
 """What an iteration of Newton's method takes a node, planar and in space [s]: as much as a slow
 machine needs."""
-STEP = 48
+SEARCH_STEP = 48
 """Iterations that a step of all attempts of a relaxation takes at most."""
-FEWEST = 10
+SEARCH_FEWEST = 10
 """Steps that a relaxation gets at least, while there is time."""
 SHALLOW = math.radians(33.0)
 """A line that is towed or held at a smaller angle from the horizontal is named as hard."""
@@ -123,8 +123,8 @@ def equilibrium(block: Block, frame: FloatArray) -> int:
     if search.left <= 0.0:
         raise OutOfTimeError
     most = int(block.header.maximum_steps)
-    step = STEP * int(block.header.nodes) * ITERATION[int(block.header.dimension) - 2]
-    block.header.maximum_steps = min(most, max(FEWEST, int(search.left / step)))
+    step = SEARCH_STEP * int(block.header.nodes) * ITERATION[int(block.header.dimension) - 2]
+    block.header.maximum_steps = min(most, max(SEARCH_FEWEST, int(search.left / step)))
     try:
         return int(entry.equilibrium(block.ints, block.reals, frame))
     finally:

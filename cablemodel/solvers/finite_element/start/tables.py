@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-MOST_STEPS = 2_000_000
+TABLE_MOST_STEPS = 2_000_000
 """Internal steps that one call may take."""
 
 
@@ -34,7 +34,7 @@ def fill_settings(block: Block, scene: CableScene) -> None:
     state = Scalars(reals)
     head.piece = 1
     head.order = 4
-    head.maximum_steps = MOST_STEPS
+    head.maximum_steps = TABLE_MOST_STEPS
     rho = scene.environment.water_density
     head.drag = int(rho > 0.0)
     state.gravity = scene.environment.gravity

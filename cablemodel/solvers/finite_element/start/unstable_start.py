@@ -49,13 +49,13 @@ Nodes = list[FloatArray]
 
 PUSH = 1e-3
 """How far the line is pushed off, in units of its length, at most."""
-TURN = 0.05
+UNSTABLE_TURN = 0.05
 """How far a slope is turned by that, at most."""
-SHARE = 0.7
+UNSTABLE_SHARE = 0.7
 """The first step, in units of the time in which the motion grows by e."""
-STEPS = 100
+UNSTABLE_STEPS = 100
 """To the next equilibrium, at most."""
-SHORTEST = 1e-4
+UNSTABLE_SHORTEST = 1e-4
 """Step in units of the first one, below which there is no way on."""
 AT_REST = 1e-6
 """What a long step moves a line by that has come to rest, in units of its length."""
@@ -91,14 +91,14 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     first = growing_motion(still, way)
     if first is None:
         return block
-    attempts: list[Callable[[], Block | None]] = [
+    strategies: list[Callable[[], Block | None]] = [
         partial(_fallen, block, scene, ways, first, 1.0),
         partial(_hung_by_weight, block, scene, ways),
         partial(_fallen, block, scene, ways, first, -1.0),
     ]
-    for attempt in attempts:
+    for strategy in strategies:
         try:
-            found = attempt()
+            found = strategy()
             for _time in range(TIMES):
                 if found is None:
                     break
@@ -181,10 +181,10 @@ def _fall(
     slowest = slowest_growth(block)
     turned = float(np.linalg.norm(growing.motion[:, 1], axis=1).max())
     motion = _motion_of(block)
-    motion += side * min(PUSH * length, TURN / max(turned, 1e-300)) * growing.motion
-    dt = SHARE / growing.rate
-    shortest = SHORTEST * dt
-    for _step in range(STEPS):
+    motion += side * min(PUSH * length, UNSTABLE_TURN / max(turned, 1e-300)) * growing.motion
+    dt = UNSTABLE_SHARE / growing.rate
+    shortest = UNSTABLE_SHORTEST * dt
+    for _step in range(UNSTABLE_STEPS):
         while dt > shortest and not is_held(block, 1.0 / dt):
             dt *= 0.5
         before = motion.copy()

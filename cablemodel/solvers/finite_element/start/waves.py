@@ -28,7 +28,7 @@ RESOLUTION = 8.0
 TALLEST = 4.0, 10.0
 """Heights of an element at the surface: in crests, or in tau L, whichever allows more. Its wet part
 is known, wherever it ends; the load along it is not that of a cubic's nodes."""
-FEWEST = 32
+SEA_FEWEST = 32
 """Components from which on a series for all of them is less work than their sum."""
 CELL_ERROR = 10.0, 1e-2
 """What the water's acceleration may be wrong by at the corner of a cell, rms, over that of the sea:
@@ -41,10 +41,10 @@ DEAD = 16.0
 """k d beyond which nothing is left of a component."""
 BISECTIONS = 12
 """Of the depth at which a layer begins."""
-STAYS = 0.25
+SEA_STAYS = 0.25
 """Of what is allowed: by how much it may change over the way within which a stage of a step keeps
 the water of its first iteration."""
-UNSEEN = 0.01
+SEA_UNSEEN = 0.01
 """Of what is allowed: a mirror at the bottom that is less is left out."""
 
 
@@ -106,7 +106,7 @@ class Layer:
 
 def cell_terms(waves: Sea | None) -> int:
     """Of the series in a sea's cells; 0: of so few components that it has none."""
-    return 0 if waves is None or len(waves.amplitude) < FEWEST else at.CELL_TERMS
+    return 0 if waves is None or len(waves.amplitude) < SEA_FEWEST else at.CELL_TERMS
 
 
 @lru_cache(maxsize=8)
@@ -163,7 +163,7 @@ def layers(waves: Sea, tolerance: float) -> tuple[Layer, ...]:
             width=width,
             frequency=float(carriers[one, 0]),
             number=float(carrier_numbers[one, 0]),
-            mirror=bool(np.linalg.norm(at_end * frequency) > UNSEEN * allowed * scale),
+            mirror=bool(np.linalg.norm(at_end * frequency) > SEA_UNSEEN * allowed * scale),
             powers=np.stack(powers, axis=1),
         )
 
@@ -189,7 +189,7 @@ def way_that_stays(waves: Sea, tolerance: float) -> float:
     allowed = min(CELL_ERROR[0] * tolerance, CELL_ERROR[1])
     acceleration = waves.amplitude * waves.frequency**2
     change = np.linalg.norm(acceleration * waves.number) / np.linalg.norm(acceleration)
-    return float(STAYS * allowed / change)
+    return float(SEA_STAYS * allowed / change)
 
 
 def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[FloatArray]:

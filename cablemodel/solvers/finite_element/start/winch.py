@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import Cable
 
-SPARE_NODES = 12
+WINCH_SPARE_NODES = 12
 """For joints at the vessel, and for a short line that is paid out again."""
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.01
 """Of an element: cable that must be out before the joint below it leaves the drum."""
-FIRST_PIECE = 0.02
+WINCH_FIRST_PIECE = 0.02
 """Of a body of finite length: cable that must be out before the body leaves the tow point."""
 LEAST_PIECE = 1e-3
 """Of an element: the same where the body is short."""
@@ -50,7 +50,7 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
     total = scene.line_length
     elements = sum(1 for joint in line.joint[1:] if joint == 0)
     usual = total / elements
-    winch = Winch([], [], [], [], [], [], SPARE_NODES, 0.0, 0.0, 0.0)
+    winch = Winch([], [], [], [], [], [], WINCH_SPARE_NODES, 0.0, 0.0, 0.0)
     rows = {place: row for row, (_, _, place) in enumerate(line.bodies)}
     below = total + bodies_length(scene)
     body = -1
@@ -116,7 +116,7 @@ def _set_shortest(winch: Winch, line: Line) -> None:
             length = min(nominal, winch.leaves[index] - winch.leaves[index - 1] - body)
         shortest = SHORTEST_PIECE * length
         if body > 0.0:
-            shortest = min(shortest, max(FIRST_PIECE * body, LEAST_PIECE * nominal))
+            shortest = min(shortest, max(WINCH_FIRST_PIECE * body, LEAST_PIECE * nominal))
         winch.shortest.append(shortest)
 
 

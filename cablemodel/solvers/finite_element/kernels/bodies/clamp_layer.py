@@ -36,11 +36,11 @@ from cablemodel.solvers.shared.environment import add_layer_motion
 from cablemodel.solvers.shared.layout import BY_SPRING
 
 FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
-FOLLOWS = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
+FOLLOW_RATE = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
 SPREAD = 2.0  # length along which a place that is not there yet is made up for, over its distance
 CALMS = 1.25  # what a gain that was too large grows by again, at most by one
 NEXT = 0.25  # part of that length in which the highest tension is that of the layer
-UNSEEN = 0.003  # of tau L: by what a place may be off in an equilibrium
+LAYER_UNSEEN = 0.003  # of tau L: by what a place may be off in an equilibrium
 GONE = 40.0  # layers from the tow point on which nothing is left of it
 
 
@@ -49,7 +49,7 @@ def layer_thickness(I, M):
     """sqrt(EI/T) at a clamp past which cable runs [m]; 0: there is none."""
     stiffness = edge_of(I, M, 1).bending_full
     row = constraint_of(I, M, 0)
-    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing != 0.0 or stiffness == 0.0:
+    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing_body != 0.0 or stiffness == 0.0:
         return 0.0
     if not row.layer_tension > 0.0:
         return 0.0
@@ -176,11 +176,11 @@ def follow_layer(I, M, dt):
         return
     now = new_motion()
     add_layer_motion(I, M, state.time, now)
-    rate = FOLLOWS / state.period
+    rate = FOLLOW_RATE / state.period
     layer = layer_thickness(I, M)
     if layer > 0.0:
         rate += abs(winch_of(I, M, 0).rate) / layer
-    elif winch_of(I, M, 0).passing != 0.0:
+    elif winch_of(I, M, 0).passing_body != 0.0:
         rate = max(rate, row.layer_rate)  # as before the body came
     row.layer_rate = rate
     follow_pull(I, M, dt / (dt + state.period))
@@ -217,7 +217,7 @@ def settle_layer(I, M, q):
     for i in range(dimension):
         change[i] -= row.place[i] + row.away[i]
         square += change[i] * change[i]
-    if math.sqrt(square) <= UNSEEN * state.tolerance * state.length:
+    if math.sqrt(square) <= LAYER_UNSEEN * state.tolerance * state.length:
         return
     for i in range(dimension):
         q[i] += change[i]
@@ -277,12 +277,12 @@ def add_layer_shape(I, M, s, place, tangent, velocity, rate):
         for i in range(dimension):
             tangent[i] /= math.sqrt(size)
         moment = 2.0 * share * layer * row.layer_tension * half_sine
-    apart = 0.0
+    distance = 0.0
     for i in range(dimension):
-        apart += off.position[i] * off.position[i]
-    apart = max(layer, SPREAD * math.sqrt(apart))
-    if 0.0 < apart and s < GONE * apart:
-        fade = math.exp(-s / apart)
+        distance += off.position[i] * off.position[i]
+    distance = max(layer, SPREAD * math.sqrt(distance))
+    if 0.0 < distance and s < GONE * distance:
+        fade = math.exp(-s / distance)
         for i in range(dimension):
             place[i] -= fade * off.position[i]
             velocity[i] -= fade * off.velocity[i]

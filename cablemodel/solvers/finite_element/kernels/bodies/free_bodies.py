@@ -51,7 +51,7 @@ from cablemodel.solvers.shared.layout import (
 )
 
 FAR = 0.5  # rotation vector from which on it counts from the present attitude [rad]
-STEP = 1e-6  # of the differences for a body's derivatives, in radians and in its size
+BODY_STEP = 1e-6  # of the differences for a body's derivatives, in radians and in its size
 
 wrench = own_numbers(6)
 """wrench(): zeros, a force and a moment or what is conjugate to a rotation vector."""
@@ -440,7 +440,7 @@ def follow_at_body(I, M, row, body, force, q, v, a):
     for j in range(3):
         kept = q[at + 3 + j]
         for side in range(2):
-            e = STEP if side == 0 else -STEP
+            e = BODY_STEP if side == 0 else -BODY_STEP
             q[at + 3 + j] = kept + e
             set_body_motion(body, M, q, v, a, at)
             arm_moment(row, body.motion, force, moment)
@@ -498,7 +498,7 @@ def free_jacobian(I, M, t, q, v, a, ca, cv):
         at = 6 * node
         D = view(M, head.diagonal + 36 * node, 36)
         for j in range(6):
-            step = STEP * (row.size if j < 3 else 1.0)
+            step = BODY_STEP * (row.size if j < 3 else 1.0)
             x0 = q[at + j]
             v0 = v[at + j]
             a0 = a[at + j]

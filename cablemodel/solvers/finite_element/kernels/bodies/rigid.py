@@ -33,7 +33,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.point_bodies import (
     wet_force,
 )
 from cablemodel.solvers.finite_element.kernels.bodies.slopes import slope_direction
-from cablemodel.solvers.finite_element.kernels.mesh.passing import part_row
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import part_row
 from cablemodel.solvers.shared.access import (
     body_at,
     body_of,
@@ -65,7 +65,7 @@ def rigid_row(I, M, body):
     of_body = body_at(M, row)
     if of_body.length == 0.0 or of_body.node < 0.0:
         return -1
-    if body + 1 == winch_of(I, M, 0).passing:
+    if body + 1 == winch_of(I, M, 0).passing_body:
         return part_row(I)
     return row
 

@@ -37,7 +37,7 @@ from cablemodel.solvers.shared.layout import (
 def clamp_spring(I, M):
     """Stiffness of the clamp [N m]; 0 where there is none."""
     row = constraint_of(I, M, 0)
-    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing != 0.0:
+    if row.clamped != BY_SPRING or winch_of(I, M, 0).passing_body != 0.0:
         return 0.0
     return row.spring
 
@@ -112,7 +112,7 @@ def update_springs(I, M, share):
     row = constraint_of(I, M, 0)
     if row.clamped != BY_SPRING:
         return
-    if winch_of(I, M, 0).passing != 0.0:
+    if winch_of(I, M, 0).passing_body != 0.0:
         row.share = 0.0
         return
     pull = M[head.tension + 2] - M[head.tension + 3]

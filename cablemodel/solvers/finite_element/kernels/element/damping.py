@@ -107,13 +107,13 @@ def update_damping(I, M):
         q = view(M, head.position, count)
         v = view(M, head.velocity, count)
         material_top(I, M, q, v, view(M, head.acceleration, count))
-    borne = promised_tension(M)
+    promised = promised_tension(M)
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if edge.damping_full == 0.0 or edge.flexible == 0.0 or I[head.joint + node] != 0:
             continue
         tension = max(0.0, M[head.tension + 2 * node])
-        edge.damping = edge.damping_full * min(1.0, tension / borne)
+        edge.damping = edge.damping_full * min(1.0, tension / promised)
         mean, _slope = strain_rate(I, M, node)
         if edge.damping * mean < -tension:
             edge.damping = -tension / mean

@@ -23,7 +23,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
     D2,
     D3,
-    RIGID,
+    ELEMENT_RIGID,
     STABILISATION,
     WEIGHT,
     WEIGHT_P2,
@@ -41,7 +41,7 @@ from cablemodel.solvers.shared.compile import inlined, kernel
 
 TWICE = 2.0  # what is wanted over what is there: no change for less
 HALF = 0.5  # what is left of a ring's memory as its stiffness is halved
-STRAIGHT = 1e-9  # strain that bending makes below which it makes none
+STRETCH_STRAIGHT = 1e-9  # strain that bending makes below which it makes none
 FORGOTTEN = 1e-14  # strain at rest below which there is none
 
 
@@ -106,7 +106,7 @@ def ringing_stiffness(I, M, edge):
 @kernel
 def unlocked_stiffness(I, M, node):
     """That with which what bending leaves in the mode is tau of the element's tension [N]."""
-    strain = abs(strain_of_bend(I, M, node)) + STRAIGHT
+    strain = abs(strain_of_bend(I, M, node)) + STRETCH_STRAIGHT
     return scalars(M).tolerance * abs(M[header(I).tension + 2 * node]) / strain
 
 
@@ -128,7 +128,7 @@ def stabilise(I, M):
     for index in range(head.body_count):
         body = body_of(I, M, index)
         if body.length > 0.0 and largest > 0.0:
-            body.compliance = min(body.compliance, body.length / (RIGID * largest))
+            body.compliance = min(body.compliance, body.length / (ELEMENT_RIGID * largest))
     return changed
 
 

@@ -37,15 +37,15 @@ def pressed_stiffness(M):
 
 
 @inlined
-def strain_aside(M, edge, tension, borne):
+def strain_aside(M, edge, tension, promised):
     """Strain [-] of flexible cable by what bends aside within an element at a tension [N], and
     d strain/d tension [1/N].
 
-    What is pressed by more than `borne` [N], what tensions may be wrong by, folds in waves shorter
-    than any element (P/m grows them, and nothing of their own holds them): its chord gets shorter
-    under hardly more pressure. What the mesh resolves of it takes over as it bends.
+    What is pressed by more than `promised` [N], what tensions may be wrong by, folds in waves
+    shorter than any element (P/m grows them, and nothing of their own holds them): its chord gets
+    shorter under hardly more pressure. What the mesh resolves of it takes over as it bends.
     """
-    beyond = tension + borne
+    beyond = tension + promised
     if beyond >= 0.0:
         return 0.0, 0.0
     softness = edge.compliance * (1.0 / scalars(M).pressed - 1.0)
@@ -56,14 +56,14 @@ def strain_aside(M, edge, tension, borne):
 def moments_aside(M, edge, t0, t1):
     """Means over an element of that strain, alone and times P1, under the tension t0 + t1 P1 [N],
     and their derivatives by t0, t1 and both [1/N]."""
-    borne = promised_tension(M)
+    promised = promised_tension(M)
     r0 = 0.0
     r1 = 0.0
     c00 = 0.0
     c01 = 0.0
     c11 = 0.0
     for g in range(3):
-        strain, slope = strain_aside(M, edge, t0 + t1 * P1[g], borne)
+        strain, slope = strain_aside(M, edge, t0 + t1 * P1[g], promised)
         r0 += WEIGHT[g] * strain
         r1 += WEIGHT_P1[g] * strain
         c00 += WEIGHT[g] * slope
@@ -86,7 +86,7 @@ def tensions_after(M, edge, t0, t1, change0, change1):
 
     By Newton's method: strain is piecewise linear in a tension below zero.
     """
-    borne = promised_tension(M)
+    promised = promised_tension(M)
     wanted0 = change0
     wanted1 = change1
     old0 = t0
@@ -110,7 +110,7 @@ def tensions_after(M, edge, t0, t1, change0, change1):
                 int(edge.strain_offset),
                 int(edge.strain_terms),
             )
-            aside, softness = strain_aside(M, edge, tension, borne)
+            aside, softness = strain_aside(M, edge, tension, promised)
             if softness > 0.0:
                 now += 1 << g
             strain += aside

@@ -8,7 +8,7 @@ zero, so that loops over Gauss points vectorise.
 import numpy as np
 
 STABILISATION = 3.0  # of a typical tension: the least stiffness of an element's third strain mode
-RIGID = 1e7  # least axial stiffness of a body of finite length, of a typical tension
+ELEMENT_RIGID = 1e7  # least axial stiffness of a body of finite length, of a typical tension
 
 _POINTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15), 0.5])
 _WEIGHTS = np.array([5.0, 8.0, 5.0, 0.0]) / 18.0

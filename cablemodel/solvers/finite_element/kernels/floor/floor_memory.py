@@ -17,7 +17,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
 from cablemodel.solvers.shared.access import body_of, edge_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import inlined, kernel
 
-FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
+SUPPORT_FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 
 LANDED = 0.05  # of the contact layer: cable that moves below this has landed
@@ -99,9 +99,9 @@ def settle(I, M):
 
 
 @inlined
-def load_aimed_at(borne, law):
+def load_aimed_at(support_load, law):
     """What is to be borne for long, where the law of contact gives `law` times that now."""
-    return max(1.0, borne * min(law, FASTEST))
+    return max(1.0, support_load * min(law, SUPPORT_FASTEST))
 
 
 @kernel
@@ -125,7 +125,7 @@ def bear(I, M, share):
         if I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        borne = edge.support
+        support_load = edge.support
         pressed = 0.0
         if lowest_gap(I, M, q, node) < depth:
             parent = I[head.parent + node]
@@ -134,10 +134,10 @@ def bear(I, M, share):
                 gap = gap_at(I, M, contact.place, contact.normal)
                 law, _stiffness, _energy = contact_law(gap, depth)
                 pressed = max(pressed, law)
-        difference = load_aimed_at(borne, pressed) - borne
-        edge.support = borne + share * difference
-        if abs(difference) > abs(largest) * borne:
-            largest = difference / borne
+        difference = load_aimed_at(support_load, pressed) - support_load
+        edge.support = support_load + share * difference
+        if abs(difference) > abs(largest) * support_load:
+            largest = difference / support_load
     for place in range(contact_places(I)):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0:
@@ -146,10 +146,10 @@ def bear(I, M, share):
         law, _stiffness, _energy = place_law(preload, gap, depth)
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count
-        borne = state.end_support if at_end else row.support[place % 2]
-        difference = load_aimed_at(borne, law) - borne
-        if abs(difference) > abs(largest) * borne:
-            largest = difference / borne
+        support_load = state.end_support if at_end else row.support[place % 2]
+        difference = load_aimed_at(support_load, law) - support_load
+        if abs(difference) > abs(largest) * support_load:
+            largest = difference / support_load
         if at_end:
             state.end_support += share * difference
         else:

@@ -16,7 +16,9 @@ from cablemodel.solvers.shared.layout import (
 )
 
 CLEAR = 2.0  # contact layers: what is higher has left the floor
-NEAR = 2.0  # lengths of an element above the floor within which its length follows from its gap
+FLOOR_NEAR = (
+    2.0  # lengths of an element above the floor within which its length follows from its gap
+)
 AWAY = 3.0  # and the gap beyond which it does no more: no change to and fro
 SOON = 2.0  # steps for which what comes down is near before it is
 
@@ -87,7 +89,7 @@ def lands(I, M):
     count = 2 * head.dimension * head.nodes
     q = view(M, head.trial_position, count)
     if head.floor_state == FLOOR_FAR:
-        if not is_near(I, M, q, view(M, head.trial_velocity, count), NEAR):
+        if not is_near(I, M, q, view(M, head.trial_velocity, count), FLOOR_NEAR):
             return False
         head.floor_state = FLOOR_ABOVE
     if not touches(I, M, q, 1.0):

@@ -68,7 +68,7 @@ from cablemodel.solvers.finite_element.kernels.line.triangular_solver import (
     solve_planar_lu,
     solve_spatial_lu,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.passing import (
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     add_first_bit,
     exchange_rates,
     exchange_velocities,
@@ -122,11 +122,11 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
     if head.body_count > 0:
         body_residual(I, M, q, v, a, out)
     if head.rigid > 0:
-        passing = winch_of(I, M, 0).passing != 0.0
-        if passing:
+        passing_body = winch_of(I, M, 0).passing_body != 0.0
+        if passing_body:
             exchange_rates(I, M, v, a)
         rigid_residual(I, M, q, v, a, tension, out, out_constraint)
-        if passing:
+        if passing_body:
             exchange_rates(I, M, v, a)
         elif head.payout != 0:
             add_first_bit(I, M, out)
@@ -320,11 +320,11 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
     if head.body_count > 0:
         body_jacobian(I, M, q, v, a, ca, cv)
     if head.rigid > 0:
-        passing = winch_of(I, M, 0).passing != 0.0
-        if passing:
+        passing_body = winch_of(I, M, 0).passing_body != 0.0
+        if passing_body:
             exchange_rates(I, M, v, a)
         rigid_jacobian(I, M, q, v, a, tension, ca, cv)
-        if passing:
+        if passing_body:
             exchange_rates(I, M, v, a)
     if head.payout != 0:
         add_clamp_tangent(I, M, q)

@@ -12,8 +12,8 @@ from cablemodel.solvers.finite_element.kernels.element.damping import damping_in
 from cablemodel.solvers.finite_element.kernels.element.scales import LET_GO
 from cablemodel.solvers.finite_element.kernels.line.closures import open_closure
 from cablemodel.solvers.finite_element.kernels.mesh.payout import open_gap, split_edge, top_edge
-from cablemodel.solvers.finite_element.kernels.mesh.top_of_line import next_along
-from cablemodel.solvers.finite_element.kernels.time.consistency import begin_after_a_blow
+from cablemodel.solvers.finite_element.kernels.mesh.top_element import next_along
+from cablemodel.solvers.finite_element.kernels.time.consistency import begin_after_a_velocity_jump
 from cablemodel.solvers.finite_element.kernels.time.slack import forget_threshold
 from cablemodel.solvers.shared.access import (
     arm_of,
@@ -291,7 +291,7 @@ def make_cuts(I, M):
         head.has_history = 0
         head.settled = 0
         step = let_go_step(M)
-        begin_after_a_blow(I, M, step)
+        begin_after_a_velocity_jump(I, M, step)
         state.step = min(state.step, step)
         state.last_step = 0.0
     return OK

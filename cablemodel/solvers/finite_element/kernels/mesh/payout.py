@@ -15,7 +15,7 @@ steps; splitting a cubic is exact, in position, velocity, acceleration and tensi
 
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
-from cablemodel.solvers.finite_element.kernels.mesh.passing import (
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     cable_paid,
     material_end,
     overhang,
@@ -81,7 +81,7 @@ def set_top_length(I, M, t):
         if winch.node < 0.0:
             continue
         length = winch.top_length + paid_since(winch, tau)
-        if winch.passing != 0.0:
+        if winch.passing_body != 0.0:
             set_part(I, M, length)
         else:
             edge_of(I, M, top_edge(winch)).length = length
@@ -120,7 +120,7 @@ def material_top(I, M, q, v, a):
     """Velocity and acceleration of the matter at winches' nodes into Matter."""
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
-        if winch.passing != 0.0:
+        if winch.passing_body != 0.0:
             material_end(I, M, q, v, a)
         elif winch.node >= 0.0:
             material_at(I, M, n, q, v, a)

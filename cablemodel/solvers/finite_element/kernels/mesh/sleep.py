@@ -22,8 +22,11 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     contact_of,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at, lowest_gap
-from cablemodel.solvers.finite_element.kernels.mesh.follow import finest_length, holds_something
 from cablemodel.solvers.finite_element.kernels.mesh.payout import hermite
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
+    finest_length,
+    holds_something,
+)
 from cablemodel.solvers.finite_element.kernels.time.backup import keep_sleepers
 from cablemodel.solvers.finite_element.kernels.water.airy import column
 from cablemodel.solvers.finite_element.kernels.water.waves import displaced
@@ -51,17 +54,19 @@ from cablemodel.solvers.shared.strain import strain_and_slope
 
 QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
-NEAR = 0.5  # of that way: hanging cable closer than this wakes
+SLEEP_NEAR = 0.5  # of that way: hanging cable closer than this wakes
 MISSED = 0.02  # of tau L: motion of A that may be left out
 MISSED_TENSION = 10.0  # of tau times the largest tension: what is promised
-SPARE = 0.1  # of the friction over the way before A: least change of tension that must be held
-CALM, ROUGH = (
+SLEEP_SPARE = (
+    0.1  # of the friction over the way before A: least change of tension that must be held
+)
+SLEEP_CALM, ROUGH = (
     0.25,
     0.5,
 )  # share of the friction that water may take of cable that falls asleep, or sleeps
 FEWEST_AWAKE = 12  # elements
 LEAST_PART = 0.125  # of the nodes awake: fewer do not pay for a new matrix
-PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
+SLEEP_PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
 
 
 @kernel
@@ -308,9 +313,9 @@ def water_leaves_alone(I, M, first):
     state.sleep_push = push
     if head.surge != 0:
         surge = flow_squared(I, M, head.profile + 3 * head.depth_count)
-        if surge > CALM * push * push:
+        if surge > SLEEP_CALM * push * push:
             return False
-    return head.current_kind == 0 or flow_squared(I, M, head.profile) <= CALM * flow
+    return head.current_kind == 0 or flow_squared(I, M, head.profile) <= SLEEP_CALM * flow
 
 
 @kernel
@@ -345,7 +350,7 @@ def place_to_sleep(I, M):
         if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1):
             continue
         friction = state.friction * edge_of(I, M, node).contact
-        if holding_tension(I, M, node) >= SPARE * friction * needed:
+        if holding_tension(I, M, node) >= SLEEP_SPARE * friction * needed:
             state.sleep_awake = needed
             return node
     return 0
@@ -356,7 +361,7 @@ def may_sleep(I, M):
     """Whether enough of the cable that is awake may sleep; asked from time to time."""
     head = header(I)
     state = scalars(M)
-    state.sleep_after = state.time + PAUSE[0] * state.period
+    state.sleep_after = state.time + SLEEP_PAUSE[0] * state.period
     if state.last_step == 0.0 or not is_quiet(I, M, head.nodes - 2, state.length):
         return False
     node = place_to_sleep(I, M)
@@ -474,7 +479,7 @@ def disturbance(I, M):
         square += (place[i] - state.sleep_place[i]) ** 2
     if not square <= (MISSED * state.tolerance * state.length) ** 2:
         return 1
-    near = NEAR * state.sleep_awake
+    near = SLEEP_NEAR * state.sleep_awake
     if lying_before(I, M, q, node, near) < near:
         return 1
     if head.current_kind != 0 and flow_squared(I, M, head.profile) > ROUGH * state.sleep_flow:
@@ -504,7 +509,7 @@ def wake(I, M, everything):
     head.asleep = head.nodes - 1 - node
     head.factored = 0
     head.has_history = 0
-    state.sleep_after = state.time + PAUSE[1] * state.period
+    state.sleep_after = state.time + SLEEP_PAUSE[1] * state.period
     if head.asleep > 0:
         hold(I, M, node)
     leave_out(I, M)

@@ -1,6 +1,6 @@
 """Winches: at what rate lines pass them, until when, and how far a step may go."""
 
-from cablemodel.solvers.finite_element.kernels.mesh.passing import next_mark
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import next_mark
 from cablemodel.solvers.shared.access import cable_of, header, scalars, winch_of
 from cablemodel.solvers.shared.compile import kernel
 from cablemodel.solvers.shared.inputs import commanded_rate
@@ -83,8 +83,8 @@ def begin_payout(I, M, stop):
         slope = winch.slope
         stop = begin_rate(I, M, n, stop)
         jump = max(jump, abs(winch.rate - rate))  # one stops dead at an end
-        winch.kink = winch.slope - slope
-        largest = max(largest, abs(winch.kink))
+        winch.acceleration_jump = winch.slope - slope
+        largest = max(largest, abs(winch.acceleration_jump))
     return stop, jump, largest
 
 

@@ -37,7 +37,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT_P2,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_outputs import floor_energy
-from cablemodel.solvers.finite_element.kernels.mesh.passing import exchange_rates
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import exchange_rates
 from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
 from cablemodel.solvers.finite_element.kernels.outputs.summary import end_forces
 from cablemodel.solvers.finite_element.kernels.water.waves import (
@@ -110,7 +110,7 @@ def energies(I, M, out):
     q = view(M, head.position, count)
     v = view(M, head.velocity, count)
     a = view(M, head.acceleration, count)
-    passing = head.rigid > 0 and winch_of(I, M, 0).passing != 0.0
+    passing_body = head.rigid > 0 and winch_of(I, M, 0).passing_body != 0.0
     for body in range(head.body_count):
         row = body_of(I, M, body)
         if row.node < 0.0:
@@ -119,10 +119,10 @@ def energies(I, M, out):
             point_energy(I, M, row, q, v, a, found)
             continue
         tension = view(M, head.tension, 2 * head.nodes)
-        if passing:
+        if passing_body:
             exchange_rates(I, M, v, a)
         rigid_energy(I, M, body_at(M, rigid_row(I, M, body)), q, v, a, tension, found)
-        if passing:
+        if passing_body:
             exchange_rates(I, M, v, a)
     if head.payout != 0:
         found.bending += clamp_energy(I, M, q)

@@ -22,8 +22,8 @@ from cablemodel.solvers.shared.layout import (
     JOINT_HINGE,
 )
 
-AHEAD = 0.25  # of the caller's last step: the time over which a rate of the force is taken
-ITERATIONS = 2  # of Newton's method for it: tensions are linear in what little changes
+RATE_AHEAD = 0.25  # of the caller's last step: the time over which a rate of the force is taken
+RATE_ITERATIONS = 2  # of Newton's method for it: tensions are linear in what little changes
 
 
 @kernel
@@ -87,7 +87,7 @@ def implicit_step(I, M, ahead, length):
     failed = factorise(I, M, q, v, a, tension, ca, cv)
     if failed != 0:
         return failed
-    for _iteration in range(ITERATIONS):
+    for _iteration in range(RATE_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         increment(I, M, forces, constraint, x)
         for n in range(count):
@@ -111,7 +111,7 @@ def rate_of_force(I, M, last_step, out):
     promote(I, M)
     forces = view(M, head.residual, 6 * head.nodes)
     before = vector()
-    span = AHEAD * last_step
+    span = RATE_AHEAD * last_step
     end_forces(I, M)
     top_reaction(I, forces, out)
     if implicit_step(I, M, span, span) != 0:

@@ -11,7 +11,7 @@ from cablemodel.solvers.finite_element.kernels.element.tension_along import (
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_outputs import lying_gap
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
-from cablemodel.solvers.finite_element.kernels.mesh.passing import exchange_rates, overhang
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import exchange_rates, overhang
 from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
 from cablemodel.solvers.finite_element.kernels.outputs.summary import (
     end_forces,
@@ -246,8 +246,8 @@ def body_stations(I, M, out):
     centre = vector()
     velocity = vector()
     a = M[head.acceleration : head.acceleration + count]
-    passing = head.rigid > 0 and winch_of(I, M, 0).passing != 0.0
-    if passing:
+    passing_body = head.rigid > 0 and winch_of(I, M, 0).passing_body != 0.0
+    if passing_body:
         end_forces(I, M)
         exchange_rates(I, M, v, a)
     for body in range(head.body_count):
@@ -268,5 +268,5 @@ def body_stations(I, M, out):
         place_on_earth(I, M, centre, found.position)
         to_earth(I, M, axis, found.tangent)
         to_earth(I, M, velocity, found.velocity)
-    if passing:
+    if passing_body:
         exchange_rates(I, M, v, a)

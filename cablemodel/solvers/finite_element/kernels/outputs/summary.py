@@ -7,7 +7,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import add_cl
 from cablemodel.solvers.finite_element.kernels.element.tension_along import tension_range
 from cablemodel.solvers.finite_element.kernels.floor.floor_outputs import floor_summary
 from cablemodel.solvers.finite_element.kernels.line.system import residual, set_time
-from cablemodel.solvers.finite_element.kernels.mesh.passing import overhang
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import overhang
 from cablemodel.solvers.shared.access import (
     constraint_of,
     edge_of,

@@ -32,8 +32,8 @@ from cablemodel.solvers.shared.layout import (
     JOINT_HINGE,
 )
 
-FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
-TURN = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
+BUCKLING_FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
+GOLDEN_ANGLE = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
 
 own_block = own_numbers(36)
 """own_block(): zeros, a block of the matrix of nodes."""
@@ -213,7 +213,7 @@ def make_crooked(I, M):
                 continue
             slope = view(M, head.position + (2 * at + 1) * dimension, dimension)
             for i in range(dimension):
-                slope[i] += angle * math.cos(TURN * at) * aside[i]
+                slope[i] += angle * math.cos(GOLDEN_ANGLE * at) * aside[i]
 
 
 @kernel
@@ -279,9 +279,9 @@ def fall_over(I, M):
         if not near_floor(I, M, node, q):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
-        if off_plane(I, M, node, normal) > FLAT * angle or slope_is_held(I, M, node):
+        if off_plane(I, M, node, normal) > BUCKLING_FLAT * angle or slope_is_held(I, M, node):
             continue
-        angle *= math.cos(TURN * node)
+        angle *= math.cos(GOLDEN_ANGLE * node)
         for i in range(3):
             M[head.position + 6 * node + 3 + i] += angle * normal[i]
             M[head.rest + 6 * node + 3 + i] += angle * normal[i]

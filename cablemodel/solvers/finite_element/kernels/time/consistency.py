@@ -38,7 +38,9 @@ from cablemodel.solvers.shared.layout import HELD_BY_FRAME
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
-AFTER_A_BLOW = 4.0  # last steps: a step so much longer does not begin with that one's acceleration
+AFTER_A_VELOCITY_JUMP = (
+    4.0  # last steps: a step so much longer does not begin with that one's acceleration
+)
 SEEN = 0.1  # of the local error: what that acceleration would move the line by
 JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
@@ -340,7 +342,7 @@ def jerk_jump(I, M, row):
 
 
 @kernel
-def follows_a_blow(I, M, dt):
+def follows_a_velocity_jump(I, M, dt):
     """Whether the vessel's acceleration, by the caller, or that of the water was another one in the
     last step, one much shorter than dt.
 
@@ -351,7 +353,7 @@ def follows_a_blow(I, M, dt):
     head = header(I)
     state = scalars(M)
     last = state.last_step
-    if last == 0.0 or dt < AFTER_A_BLOW * last:
+    if last == 0.0 or dt < AFTER_A_VELOCITY_JUMP * last:
         return False
     limit = SEEN * state.time_tolerance
     surge, _most = surge_jump(I, M, state.time)
@@ -375,7 +377,7 @@ def begins_a_surge(I, M, dt):
 
 
 @kernel
-def begin_after_a_blow(I, M, span):
+def begin_after_a_velocity_jump(I, M, span):
     """Accelerations that go with those of the vessel and the water, at the tensions of the line.
 
     What they change moves the line's mass at once; tensions follow as waves run along it.

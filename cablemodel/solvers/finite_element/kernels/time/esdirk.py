@@ -45,8 +45,10 @@ LARGEST_ITERATIONS = 10
 MORE_ITERATIONS = 16  # the same while points of elements begin or cease to bend aside
 LANDED = -1  # status of a step without the floor's forces that comes to where they act
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
-AT_ONCE = 0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
-UNSEEN = 1e-4  # tau down to which what that leaves is not seen
+STAGE_AT_ONCE = (
+    0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
+)
+STAGE_UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
@@ -82,7 +84,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
     growing = 0
     head.bent_aside = 0
     good = 0.02 if to_output else 0.1
-    at_once = 0.0 if to_output or state.tolerance < UNSEEN else AT_ONCE
+    at_once = 0.0 if to_output or state.tolerance < STAGE_UNSEEN else STAGE_AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
     tolerance *= min(1.0, gamma_dt / (0.1 * state.period))

@@ -233,7 +233,7 @@ def jumps_at(I, M, row):
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node == row.node:
-            jump += abs(winch.kink)
+            jump += abs(winch.acceleration_jump)
     return faster, jump, jerk
 
 

@@ -46,8 +46,11 @@ LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body t
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
 LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, before shorter steps
-CALM = 1e-10  # of the length: what the last two steps may move
-ROUND_OFF = 1e-8, 20  # of the length, where so many of the longest steps in a row move no more
+STATICS_CALM = 1e-10  # of the length: what the last two steps may move
+STATICS_ROUND_OFF = (
+    1e-8,
+    20,
+)  # of the length, where so many of the longest steps in a row move no more
 UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
 
 
@@ -213,12 +216,14 @@ def relax(I, M, frame, damped, strict):
                 settle_layer(I, M, q0)
             update_springs(I, M, 1.0)
         # Light cable may not come closer to its place than round-off lets it.
-        rounded = moved <= ROUND_OFF[0] * length
+        rounded = moved <= STATICS_ROUND_OFF[0] * length
         if head.free_count != 0:
             # What nothing holds from turning turns by what Newton's method leaves.
             rounded = rounded or moved <= UNBALANCED * state.gravity * dt * dt
         still = still + 1 if rounded and dt == longest else 0
-        if still >= ROUND_OFF[1] or (moved <= CALM * length and dt > 1e3 * state.first_step):
+        if still >= STATICS_ROUND_OFF[1] or (
+            moved <= STATICS_CALM * length and dt > 1e3 * state.first_step
+        ):
             calm += 1
             if calm >= 2 and head.floor_kind != 0 and rounds < FLOOR_ROUNDS:
                 more = bear(I, M, 0.0)

@@ -25,7 +25,7 @@ EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step gro
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
 HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
-LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
+STEP_LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
 
 
 @kernel
@@ -109,9 +109,9 @@ def adapt_step(I, M, dt, scheme, error):
     """After a step that is accepted: the one that its error allows."""
     head = header(I)
     state = scalars(M)
-    factor = LARGEST_GROWTH
+    factor = STEP_LARGEST_GROWTH
     if error > 1e-12:
-        factor = min(LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
+        factor = min(STEP_LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
     if head.growth_barred == 1:
         factor = min(factor, 1.0)
         head.growth_barred = 0

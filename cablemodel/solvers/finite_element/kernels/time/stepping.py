@@ -33,7 +33,7 @@ def out_of_plane(I, M, x, y):
 
 
 @kernel
-def leave_plane(I, M, x, y):
+def turn_or_leave_plane(I, M, x, y):
     """Turn the plane to (x, y) where the cable is vertical and still, else leave the plane."""
     head = header(I)
     state = scalars(M)
@@ -57,7 +57,7 @@ def leave_plane(I, M, x, y):
 
 
 @kernel
-def keep_plane(I, M):
+def follow_inputs_out_of_plane(I, M):
     """Promote a planar model whose live inputs leave its plane."""
     head = header(I)
     state = scalars(M)
@@ -71,13 +71,13 @@ def keep_plane(I, M):
             for rate in (law.velocity, law.second, law.third):
                 if head.dimension == 2 and out_of_plane(I, M, rate[0], rate[1]):
                     if again == 0:
-                        leave_plane(I, M, rate[0], rate[1])
+                        turn_or_leave_plane(I, M, rate[0], rate[1])
                     else:
                         promote(I, M)
         for flow in (live.first, live.last):
             if head.dimension == 2 and out_of_plane(I, M, flow[0], flow[1]):
                 if again == 0:
-                    leave_plane(I, M, flow[0], flow[1])
+                    turn_or_leave_plane(I, M, flow[0], flow[1])
                 else:
                     promote(I, M)
 
@@ -93,7 +93,7 @@ def take_step(I, M, t_end, inputs):
     returning, runs = take_inputs(I, M, t_end, inputs)
     if runs:
         release_slope(I, M)
-    keep_plane(I, M)
+    follow_inputs_out_of_plane(I, M)
     if head.parts != 0:
         # The matrix goes by what lines pulled bodies with at the last residual: that of the state,
         # whether its outputs have been read or not.

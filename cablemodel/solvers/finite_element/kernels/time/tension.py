@@ -33,8 +33,8 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     residual,
     set_time,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.follow import begins_anew
 from cablemodel.solvers.finite_element.kernels.mesh.payout import set_top_length
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import begins_anew
 from cablemodel.solvers.finite_element.kernels.time.consistency import vessel_jump
 from cablemodel.solvers.shared.access import (
     body_of,
@@ -50,20 +50,28 @@ from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outli
 from cablemodel.solvers.shared.environment import current_rate, surge_jump
 
 PROMISED = 0.5  # of the error of tension that is promised
-SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
+TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
 LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
-FINEST = 0.1  # step times the frequency of the line's axial motion: one that follows it for sure
-UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
+TENSION_FINEST = (
+    0.1  # step times the frequency of the line's axial motion: one that follows it for sure
+)
+TENSION_UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
 SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
 NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
 STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
-APART = 1e-3  # periods of the line over which the stretch's second derivative is a difference
-NEARLY = 0.5  # of the longest step whose tensions are not looked at: they say how long the next is
-STAYS = 0.5  # error of a step after which the next one is as long
-RIGID = 1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
+DIFFERENCE_STEP = (
+    1e-3  # periods of the line over which the stretch's second derivative is a difference
+)
+TENSION_NEARLY = (
+    0.5  # of the longest step whose tensions are not looked at: they say how long the next is
+)
+TENSION_STAYS = 0.5  # error of a step after which the next one is as long
+TENSION_RIGID = (
+    1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
+)
 
 
 # What a step does along the line; in a system, where it is refused: that no other one than its
@@ -200,8 +208,8 @@ def share_of_ring(M, dt, scheme, share):
     """
     angle = math.sqrt(max(0.0, 1.0 / max(share, 1e-6) - 1.0)) / GAMMA[scheme]
     if 0.5 * LOSS_FACTOR * angle * scalars(M).period > dt:
-        return SHARE
-    angle = max(angle, FINEST)
+        return TENSION_SHARE
+    angle = max(angle, TENSION_FINEST)
     return 0.5 * LOSS_FACTOR * angle / max(1.0, UNDERRATED[scheme] * angle)
 
 
@@ -243,8 +251,8 @@ def remember_tensions(I, M):
 @inlined
 def longest_unwatched(M):
     """Below this step what one does not follow dies away by the material before a line has moved
-    [s]: what turns by `FINEST` in the step and more."""
-    return FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
+    [s]: what turns by `TENSION_FINEST` in the step and more."""
+    return TENSION_FINEST * 0.5 * LOSS_FACTOR * scalars(M).period
 
 
 @inlined
@@ -259,7 +267,7 @@ def is_over_at_once(I, M, dt):
     what it does not follow dies away."""
     if header(I).parts != 0:
         return dies_within(M, dt)
-    return dt * math.sqrt(scalars(M).axial) < FINEST
+    return dt * math.sqrt(scalars(M).axial) < TENSION_FINEST
 
 
 @kernel
@@ -311,7 +319,7 @@ def may_be_solved_for(I, M):
     """Whether tensions can be solved for: of one line, with Hooke's law and no damping, ends that
     are hinged, and no body of finite length at the tow point."""
     head = header(I)
-    if head.parts != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing != 0.0):
+    if head.parts != 0 or (head.rigid > 0 and winch_of(I, M, 0).passing_body != 0.0):
         return False
     for n in range(head.constraint_count):
         if constraint_of(I, M, n).clamped != 0.0:
@@ -347,7 +355,7 @@ def stiffen(I, M, ca):
     """
     head = header(I)
     state = scalars(M)
-    soft = RIGID / (ca * inertia(I, M))
+    soft = TENSION_RIGID / (ca * inertia(I, M))
     length = state.length
     kept = region(I, SOFTNESS)
     for node in range(1, head.nodes):
@@ -430,7 +438,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(count):
         solved_v[n] += x[n]
     # The second derivative of |r'|, of a motion without a jerk.
-    step = APART * state.period
+    step = DIFFERENCE_STEP * state.period
     for k in range(3):
         ahead = (k - 1) * step
         for n in range(count):
@@ -532,10 +540,10 @@ def gives_way(I, M, tension):
     """Whether flexible cable bends aside within an element under these tensions: waves along it
     end there, and nothing rings on."""
     head = header(I)
-    borne = promised_tension(M)
+    promised = promised_tension(M)
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0 and edge_of(I, M, node).flexible != 0.0:
-            if tension[2 * node] - abs(tension[2 * node + 1]) < -borne:
+            if tension[2 * node] - abs(tension[2 * node + 1]) < -promised:
                 return True
     return False
 
@@ -581,13 +589,13 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
     head = header(I)
     state = scalars(M)
     at_once = is_over_at_once(I, M, dt)
-    if at_once and (head.parts == 0 or dt < NEARLY * longest_unwatched(M)):
+    if at_once and (head.parts == 0 or dt < TENSION_NEARLY * longest_unwatched(M)):
         return 0.0, FOLLOWS
     scatter = 0.0
     for node in range(1, watched(I)):
         if is_watched(I, node):
             scatter = max(scatter, stage_scatter(I, M, node, scheme))
-    if scatter <= UNSEEN:
+    if scatter <= TENSION_UNSEEN:
         return scatter, PASSES_OVER
     if head.parts == 0 and state.pressed < 1.0:
         if gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes)):
@@ -605,13 +613,13 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
         if is_watched(I, node):
             scatter = stage_scatter(I, M, node, scheme) if head.parts != 0 else scatter
             left, share = embedded_error(I, M, node, scatter)
-            part = share_of_ring(M, dt, scheme, share) if rings_on else SHARE
+            part = share_of_ring(M, dt, scheme, share) if rings_on else TENSION_SHARE
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if head.parts != 0:
         missed = max(lasting, forgotten)
         if at_once:
-            return min(STAYS, missed), FOLLOWS
+            return min(TENSION_STAYS, missed), FOLLOWS
         return missed, MISSES if missed > 1.0 else PASSES_OVER
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
     if share > STIFF or unseen > SOLVED_FROM or head.rings != 0:

@@ -15,14 +15,13 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_memory import settle
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, leave_floor
 from cablemodel.solvers.finite_element.kernels.line.closures import give_back_forces, keep_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import is_folded, refactor
+from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import follow_bending
 from cablemodel.solvers.finite_element.kernels.mesh.cuts import (
     let_go_step,
     make_cuts,
     share_before_a_break,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.follow import follow_floor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import pay_out
-from cablemodel.solvers.finite_element.kernels.mesh.refine import follow_bending
 from cablemodel.solvers.finite_element.kernels.mesh.sleep import (
     disturbance,
     fall_asleep,
@@ -34,7 +33,8 @@ from cablemodel.solvers.finite_element.kernels.mesh.sleep import (
     wake,
     wake_as_many,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.top_of_line import adapt_tops, anything_passes
+from cablemodel.solvers.finite_element.kernels.mesh.top_element import adapt_tops, anything_passes
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import follow_floor
 from cablemodel.solvers.finite_element.kernels.mesh.winch import begin_payout, longest_payout_step
 from cablemodel.solvers.finite_element.kernels.time.buckling import (
     any_pressed,
@@ -45,9 +45,9 @@ from cablemodel.solvers.finite_element.kernels.time.buckling import (
     make_crooked,
 )
 from cablemodel.solvers.finite_element.kernels.time.consistency import (
-    begin_after_a_blow,
+    begin_after_a_velocity_jump,
     begins_a_surge,
-    follows_a_blow,
+    follows_a_velocity_jump,
     make_consistent,
     project_velocity,
     take_rates_from_velocity,
@@ -285,13 +285,13 @@ def plan_step(I, M, plan):
     natural = natural_step(I, M)
     stop = next_stop(I, M, plan.end, natural)
     jump = 0.0
-    kink = 0.0
+    acceleration_jump = 0.0
     if head.payout != 0:
-        stop, jump, kink = begin_payout(I, M, stop)
-        if kink != 0.0:
+        stop, jump, acceleration_jump = begin_payout(I, M, stop)
+        if acceleration_jump != 0.0:
             head.settled = 0
         natural = longest_payout_step(I, M, natural)
-    if plan.after_a_stop != 0 or kink != 0.0:
+    if plan.after_a_stop != 0 or acceleration_jump != 0.0:
         begin_rings(I, M, natural)
         plan.after_a_stop = 0
     if jump * natural > state.time_tolerance:
@@ -335,12 +335,14 @@ def make_ready(I, M, plan):
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
         if state.time != plan.jolted:
             make_consistent(I, M, False)
-    elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_blow(I, M, dt):
-        begin_after_a_blow(I, M, state.last_step)
+    elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_velocity_jump(
+        I, M, dt
+    ):
+        begin_after_a_velocity_jump(I, M, state.last_step)
     elif plan.unprojected != 0:
         project_velocity(I, M, GAMMA[plan.scheme] * dt)
     if head.current_kind != 0 and begins_a_surge(I, M, dt):
-        begin_after_a_blow(I, M, SHORT * SHORT * dt)
+        begin_after_a_velocity_jump(I, M, SHORT * SHORT * dt)
     plan.unprojected = 0
 
 

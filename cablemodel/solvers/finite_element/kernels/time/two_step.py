@@ -31,16 +31,16 @@ from cablemodel.solvers.shared.access import header, motion_piece_of, scalars
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
 from cablemodel.solvers.shared.environment import surge_jump
 
-LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
+BDF_LARGEST_GROWTH = 2.0  # of the step; variable-step BDF2 is stable up to 1 + sqrt(2)
 LARGEST_ERROR = 0.03  # of the local tolerance: what is left after a natural step is .03^(2/3) of it
 SHORTEST_WAIT, LONGEST_WAIT = 4, 64  # steps by the one-step scheme after a refusal
 CHECK = 16  # steps between measurements of the convergence ratio
-MOST_ITERATIONS = 4
+BDF_MOST_ITERATIONS = 4
 STALE = 0.25  # convergence ratio that asks for a new factorisation
 
 
 @kernel
-def starts_at_a_kink(I, M, dt):
+def starts_at_a_breakpoint(I, M, dt):
     """Whether the vessel's motion or the current has a kink that matters at the present time."""
     head = header(I)
     state = scalars(M)
@@ -88,12 +88,12 @@ def try_two_step(I, M, dt):
     head = header(I)
     state = scalars(M)
     last = state.last_step
-    if head.has_history == 0 or dt > LARGEST_GROWTH * last or last > 2.5 * dt:
+    if head.has_history == 0 or dt > BDF_LARGEST_GROWTH * last or last > 2.5 * dt:
         return False
     if head.two_step_wait > 0:
         head.two_step_wait -= 1
         return False
-    if starts_at_a_kink(I, M, dt):
+    if starts_at_a_breakpoint(I, M, dt):
         return False
     count = 2 * head.dimension * head.nodes
     nodes = head.nodes
@@ -140,7 +140,7 @@ def try_two_step(I, M, dt):
     measure = head.two_step_check <= 0
     previous = 0.0
     moved = 0.0
-    for iteration in range(MOST_ITERATIONS):
+    for iteration in range(BDF_MOST_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)
         head.iterations += 1

@@ -44,18 +44,23 @@ from cablemodel.solvers.shared.layout import (
     OK,
 )
 
-AHEAD = 0.5  # growth of the wanted length per height above the floor
-TURN = 0.9  # largest angle that an element may turn at a touchdown
-KINK = 0.2  # largest h times the jump of curvature near the floor: what folds must be resolved
+TOUCHDOWN_AHEAD = 0.5  # growth of the wanted length per height above the floor
+TOUCHDOWN_TURN = 0.9  # largest angle that an element may turn at a touchdown
+CURVATURE_JUMP = (
+    0.2  # largest h times the jump of curvature near the floor: what folds must be resolved
+)
 STRAIN = 2e-5  # largest change of length when elements are joined
-BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
-STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
+TOUCHDOWN_BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
+TOUCHDOWN_STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SOON = 2.0  # steps for which what comes down is split at once
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
-FINEST, PUSHED = 8.0, 32.0  # of tau L: what hardly bends and is shorter stays whole; under pressure
+TOUCHDOWN_FINEST, PUSHED = (
+    8.0,
+    32.0,
+)  # of tau L: what hardly bends and is shorter stays whole; under pressure
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
-UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
+TOUCHDOWN_UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 
 
@@ -245,7 +250,7 @@ def length_by_grip(I, M, node, promised, way):
     if way == 1e300:
         return 1e300
     grip = scalars(M).friction * edge_of(I, M, node).contact
-    return promised / grip / SPLIT_ABOVE + AHEAD * way
+    return promised / grip / SPLIT_ABOVE + TOUCHDOWN_AHEAD * way
 
 
 @kernel
@@ -268,7 +273,9 @@ def finest_length(I, M, node, gap):
     radius = landing_radius(I, M, node, gap, layer)
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    return layer, max(LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TURN * radius))
+    return layer, max(
+        LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TOUCHDOWN_TURN * radius)
+    )
 
 
 @kernel
@@ -325,7 +332,7 @@ def finest_flexible(I, M, node):
     accuracy = position_accuracy(I, M, node)
     if M[head.tension + 2 * node] < 0.0:
         return 1e300 if state.undamped != 0.0 else PUSHED * accuracy
-    return bend_allowed(I, M, node) if state.undamped != 0.0 else FINEST * accuracy
+    return bend_allowed(I, M, node) if state.undamped != 0.0 else TOUCHDOWN_FINEST * accuracy
 
 
 @kernel
@@ -363,7 +370,7 @@ def wanted_length(I, M, node, gaps, behind, jumps, spare):
     steady = length_by_tension(I, M, node, gaps[node], layer, spare[node])
     finest = max(shortest, min(finest, steady))
     if gaps[node] >= depth:
-        wanted = finest + AHEAD * (gaps[node] - depth)
+        wanted = finest + TOUCHDOWN_AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
     else:
         wanted = finest + 0.5 * max(0.0, behind[node] - 2.0 * finest)
@@ -371,7 +378,7 @@ def wanted_length(I, M, node, gaps, behind, jumps, spare):
     if near:
         bend = max(jumps[node], jumps[node - 1])
         if bend > 0.0:
-            allowed = min(math.sqrt(BENT * accuracy / bend), KINK / bend)
+            allowed = min(math.sqrt(TOUCHDOWN_BENT * accuracy / bend), CURVATURE_JUMP / bend)
             wanted = max(shortest, min(wanted, allowed))
     else:
         wanted = min(wanted, length_by_bend(I, M, node, layer, jumps))
@@ -422,7 +429,7 @@ def halves_are_even(I, M, node):
     p0 = head.position + size * I[head.parent + node]
     p1 = head.position + size * node
     upper = arc_length(I, M, p0, p1, h, 0.0, 0.5)
-    return abs(upper - arc_length(I, M, p0, p1, h, 0.5, 0.5)) <= UNEVEN * h
+    return abs(upper - arc_length(I, M, p0, p1, h, 0.5, 0.5)) <= TOUCHDOWN_UNEVEN * h
 
 
 @kernel
@@ -431,7 +438,10 @@ def is_straight(I, M, node, jump):
     accuracy = position_accuracy(I, M, node)
     edge = edge_of(I, M, node)
     h = edge.length + edge_at(M, word_of(M, edge) + EDGE_WORDS).length
-    if jump * h * h > STRAIGHT * accuracy or jump * h > STRAIGHT * KINK:
+    if (
+        jump * h * h > TOUCHDOWN_STRAIGHT * accuracy
+        or jump * h > TOUCHDOWN_STRAIGHT * CURVATURE_JUMP
+    ):
         return False
     return one_cubic_does(I, M, node)
 

@@ -9,7 +9,8 @@ they were at the start, once one cubic does for both.
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
-from cablemodel.solvers.finite_element.kernels.mesh.follow import (
+from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     bend_allowed,
     finest_flexible,
     halves_are_even,
@@ -19,7 +20,6 @@ from cablemodel.solvers.finite_element.kernels.mesh.follow import (
     one_cubic_does,
     position_accuracy,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
 from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, word_of
 from cablemodel.solvers.shared.compile import kernel, view
@@ -31,8 +31,8 @@ from cablemodel.solvers.shared.layout import (
     OK,
 )
 
-PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
-STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
+BENDING_PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
+BENDING_STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 
 
 @kernel
@@ -82,7 +82,7 @@ def may_unite(I, M, node):
         h <= 1.001 * min(upper.nominal, lower.nominal)
         and upper.segment == lower.segment
         and not holds_something(I, M, node)
-        and h * h * jump_at(I, M, node, False) < STRAIGHT * bend_allowed(I, M, node)
+        and h * h * jump_at(I, M, node, False) < BENDING_STRAIGHT * bend_allowed(I, M, node)
         and one_cubic_does(I, M, node)
     )
 
@@ -110,7 +110,7 @@ def follow_bending(I, M, change):
     """
     head = header(I)
     state = scalars(M)
-    state.bent_after = state.time + PAUSE * state.period
+    state.bent_after = state.time + BENDING_PAUSE * state.period
     nodes = head.nodes
     jumps = M[head.stage_velocity : head.stage_velocity + nodes + 1]
     for node in range(nodes):

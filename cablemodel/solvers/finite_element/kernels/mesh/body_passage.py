@@ -112,7 +112,7 @@ def overhang(I, M):
     cable = int(winch.cable)
     row = body_above(I, M, cable)
     body = body_at(M, row)
-    if row < 0 or winch.passing != 0.0:
+    if row < 0 or winch.passing_body != 0.0:
         return 0.0
     out = winch.travel - cable_of(I, M, cable).leaves
     return min(max(out, 0.0), body.length)
@@ -135,10 +135,10 @@ def next_mark(I, M, n, outwards):
     length = body.length
     near = 1e-9 * length
     if not outwards:
-        if winch.passing != 0.0 and out > length + near:
+        if winch.passing_body != 0.0 and out > length + near:
             return out - length
         return 1e300
-    if winch.passing == 0.0:
+    if winch.passing_body == 0.0:
         return max(bare_length(M, body, cable_of(I, M, cable + 1)) - out, near)
     if out < length - near:
         return length - out
@@ -152,7 +152,7 @@ def set_part(I, M, length):
     Beyond its own length it is the whole body on a weightless stick: the bit of the next cable.
     """
     state = scalars(M)
-    whole = body_of(I, M, int(winch_of(I, M, 0).passing) - 1)
+    whole = body_of(I, M, int(winch_of(I, M, 0).passing_body) - 1)
     take_share(I, M, whole, length)
     # Nothing but this spring holds the slope at the vessel.
     body_at(M, part_row(I)).clamp[0] = state.tension_scale * length

@@ -21,16 +21,16 @@ FloatArray = NDArray[np.float64]
 FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
 """Floors on which a start is tried in turn where it fails, in units of the contact layer. Beyond
 the first row for a line that sinks too deep into the first of them, and folds there."""
-LARGEST_SOFTENING, SMALLEST_SOFTENING, SOFTEST = 10.0, 1.05, 1e4
+LARGEST_SOFTENING, SMALLEST_SOFTENING, CONTINUATION_SOFTEST = 10.0, 1.05, 1e4
 """Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
-GROWTH = 1.5
+CONTINUATION_GROWTH = 1.5
 """Of a step on a way over easier equilibria, after one that was followed."""
 FEW_STEPS = 100
 """Of a relaxation on that way."""
-LEAST_MOMENTUM, MORE_MOMENTUM, SMALLEST_SHARE = 0.1, 0.3, 0.02
+LEAST_MOMENTUM, MORE_MOMENTUM, CONTINUATION_SMALLEST_SHARE = 0.1, 0.3, 0.02
 """Of the mass of a lay's cable: what it has at first, by how much more it gets, and the smallest
 step of that where longer ones fail."""
-LARGEST_TURN = 0.25
+CONTINUATION_LARGEST_TURN = 0.25
 """Of a clamp, from one equilibrium to the next [rad]."""
 SMALLEST_TURN = 0.01
 """The same, where longer ones fail [rad]."""
@@ -72,7 +72,7 @@ def continued(
         share = min(1.0, done + step)
         status = solve_at(share)
         if status == at.OK:
-            done, step = share, min(GROWTH * step, largest)
+            done, step = share, min(CONTINUATION_GROWTH * step, largest)
         elif step > smallest:
             block.image[:] = before
             step *= 0.5
@@ -122,11 +122,11 @@ def on_a_floor_that_hardens(block: Block, solve: Callable[[], int]) -> int:
     """
     depth = float(block.scalars.floor_depth)
     guess = block.image.copy()
-    whole = math.log(SOFTEST)
+    whole = math.log(CONTINUATION_SOFTEST)
 
     def on(share: float) -> int:
         """As it is at 1, softest at 0."""
-        block.scalars.floor_depth = depth * SOFTEST ** (1.0 - share)
+        block.scalars.floor_depth = depth * CONTINUATION_SOFTEST ** (1.0 - share)
         status = in_few_steps(block, solve)
         block.scalars.floor_depth = depth
         return status
@@ -166,7 +166,11 @@ def as_momentum_comes_up(block: Block, solve: Callable[[], int]) -> int:
     if status != at.OK:
         return status
     return continued(
-        block, with_share, done=LEAST_MOMENTUM, step=MORE_MOMENTUM, smallest=SMALLEST_SHARE
+        block,
+        with_share,
+        done=LEAST_MOMENTUM,
+        step=MORE_MOMENTUM,
+        smallest=CONTINUATION_SMALLEST_SHARE,
     )
 
 
@@ -216,7 +220,7 @@ def with_turned_clamps(
             return solve_nearby()
 
         smallest = SMALLEST_TURN / max(angle, SMALLEST_TURN)
-        step = min(1.0, LARGEST_TURN / max(angle, LARGEST_TURN))
+        step = min(1.0, CONTINUATION_LARGEST_TURN / max(angle, CONTINUATION_LARGEST_TURN))
         status = continued(block, turned_by, step=step, smallest=smallest)
     table[rows, directions] = clamped[:, directions]
     return status

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Attempt:
+class Strategy:
     """How a static start is sought."""
 
     as_laid: bool = False
@@ -38,10 +38,10 @@ class Attempt:
     """Where a lay is not found at once, its cable gets its momentum bit by bit."""
     points: FloatArray | None = None
     """From this polyline (n, 3) [m], instead of a first shape of the search's own."""
-    passing: bool = False
+    intermediate: bool = False
     """Only the place is wanted where cable lies: whether it stays there is asked at the end."""
     patient: bool = False
-    """By all of easier_ways: clamps are turned bit by bit, floors harden from several depths."""
+    """By all of continuation: clamps are turned bit by bit, floors harden from several depths."""
     swept: bool = False
     """The first shape is that of the other extreme in a current: what hangs between two ends bows
     where it pushes, what lies is not pushed aside by it (first_shape, free_hanging)."""
@@ -53,41 +53,41 @@ class Attempt:
     """From a catenary between two ends that are close to each other, on elements graded to it."""
 
 
-def described(attempt: Attempt) -> str:
+def described(strategy: Strategy) -> str:
     """What an attempt does, in words."""
-    words = ["with friction that holds what was laid" if attempt.as_laid else "without friction"]
-    words += ["by clamps and floors that are set bit by bit"] * attempt.patient
-    words += ["from where the current draws it"] * attempt.swept
-    words += ["on elements half as long"] * attempt.halved
-    words += ["from where a chain hangs"] * attempt.hung
-    words += ["from a bight"] * attempt.bight
-    words += ["from the points"] * (attempt.points is not None)
+    words = ["with friction that holds what was laid" if strategy.as_laid else "without friction"]
+    words += ["by clamps and floors that are set bit by bit"] * strategy.patient
+    words += ["from where the current draws it"] * strategy.swept
+    words += ["on elements half as long"] * strategy.halved
+    words += ["from where a chain hangs"] * strategy.hung
+    words += ["from a bight"] * strategy.bight
+    words += ["from the points"] * (strategy.points is not None)
     return ", ".join(words)
 
 
-def attempts(scene: Scene) -> Iterator[Attempt]:
+def strategies(scene: Scene) -> Iterator[Strategy]:
     """All attempts for a scene, the plainest first."""
     laid = laid_start.applies(scene)
     if laid:
-        yield Attempt(as_laid=True)
+        yield Strategy(as_laid=True)
     if scene.end.kind == "anchor" and len(scene.line) > 1 and laid_shape.surplus(scene) <= 0.0:
-        yield Attempt(hung=True)
-    yield Attempt()
+        yield Strategy(hung=True)
+    yield Strategy()
     if scene.initial.kind != "static" or laid_shape.surplus(scene) > 0.0:
         return  # slack to an anchor has no single shape: it must not depend on where one begins
     swept = scene.environment.current is not None
     halved = any(cable.elements is None for cable in scene.cables)
     lay = scene.rate_at_start > 0.0 and scene.end.kind == "free"  # its floor hardens in any attempt
     if (scene.environment.floor is not None and not lay) or _is_clamped(scene):
-        yield Attempt(patient=True)
+        yield Strategy(patient=True)
     if swept:
-        yield Attempt(patient=True, swept=True)
+        yield Strategy(patient=True, swept=True)
     if halved:
-        yield Attempt(patient=True, halved=True)
+        yield Strategy(patient=True, halved=True)
     if swept and halved:
-        yield Attempt(patient=True, swept=True, halved=True)
+        yield Strategy(patient=True, swept=True, halved=True)
     if scene.end.kind == "anchor":
-        yield Attempt(patient=True, bight=True)
+        yield Strategy(patient=True, bight=True)
 
 
 def _is_clamped(scene: Scene) -> bool:

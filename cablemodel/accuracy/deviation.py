@@ -39,7 +39,7 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Apart:
+class Deviation:
     """How far a run is from the reference."""
 
     position: Difference
@@ -52,7 +52,7 @@ class Apart:
     """First time at which one of the runs is slack [s]; infinite if none is."""
 
     @classmethod
-    def of(cls, run: Run, reference: Run) -> Apart:
+    def of(cls, run: Run, reference: Run) -> Deviation:
         """Compare two runs of the same outputs. Scales are those of the reference."""
         one, other = reference.states, run.states
         length = np.interp(one.time, reference.time, reference["line_length"])
@@ -79,18 +79,18 @@ def _largest(
     unit: str,
     tolerance: float,
     times: Floats,
-    apart: Floats,
+    deviation: Floats,
     scales: Floats,
     s: Floats | None = None,
 ) -> Difference:
     """The largest of differences (n, places) at times and arc lengths, on the scale of its time."""
-    k, place = np.unravel_index(int(np.argmax(apart)), apart.shape)
+    k, place = np.unravel_index(int(np.argmax(deviation)), deviation.shape)
     return Difference(
         name,
         unit,
         allowed=tolerance * float(scales[k]),
         scale=float(scales[k]),
-        largest=float(apart[k, place]),
+        largest=float(deviation[k, place]),
         time=float(times[k]),
         arc_length=None if s is None else float(s[k, place]),
     )
@@ -117,7 +117,7 @@ class Settled:
     """Of the runs [s]."""
     span: tuple[float, float] | None
     """First and last time between which the motion is not settled [s]."""
-    apart: float
+    deviation: float
     """The tolerance that would allow the motion's differences between them."""
     taut_until: float
     """Time from which on tensions are not promised [s]; infinite if there is none."""
@@ -127,7 +127,7 @@ class Settled:
     """Times before that at which one of them is not [s]."""
 
     @classmethod
-    def of(cls, fine: Apart, limit: float, *, static: bool) -> Settled:
+    def of(cls, fine: Deviation, limit: float, *, static: bool) -> Settled:
         """What a tolerance of ``limit`` allows the two finest runs to differ by.
 
         ``static``: the line starts in equilibrium; else it rings from the start.
@@ -135,7 +135,7 @@ class Settled:
         time = fine.motion.time
         off = time[_near(fine.motion.over(limit))]
         span = (float(off[0]), float(off[-1])) if off.size else None
-        apart = float(np.max(fine.motion.values[~_outside(span, time)], initial=0.0))
+        deviation = float(np.max(fine.motion.values[~_outside(span, time)], initial=0.0))
         taut_until = fine.taut_until if static else float(time[0])
         top, along = (
             _outside(span, series.time) & ~_near(series.over(limit)) for series in fine.tensions
@@ -143,17 +143,19 @@ class Settled:
         at = [series.time[~ok] for series, ok in zip(fine.tensions, (top, along), strict=True)]
         snaps = np.union1d(*at)
         snaps = snaps[snaps < taut_until]
-        return cls(float(time[0]), float(time[-1]), span, apart, taut_until, (top, along), snaps)
+        return cls(
+            float(time[0]), float(time[-1]), span, deviation, taut_until, (top, along), snaps
+        )
 
-    def judge(self, apart: Apart, limit: float) -> Judgement:
+    def judge(self, deviation: Deviation, limit: float) -> Judgement:
         """Whether the differences of a run are within a tolerance, where they can be judged."""
-        taut_until = min(self.taut_until, apart.taut_until)
-        settled = [_outside(self.span, apart.motion.time)]
-        for series, where in zip(apart.tensions, self.tensions, strict=True):
+        taut_until = min(self.taut_until, deviation.taut_until)
+        settled = [_outside(self.span, deviation.motion.time)]
+        for series, where in zip(deviation.tensions, self.tensions, strict=True):
             settled.append(where & (series.time < taut_until))
         accuracy, since, broken = 0.0, math.inf, []
         names = ("positions", "tensions", "tensions")
-        every = (apart.motion, *apart.tensions)
+        every = (deviation.motion, *deviation.tensions)
         for name, series, where in zip(names, every, settled, strict=True):
             accuracy = max(accuracy, float(np.max(series.values[where], initial=0.0)))
             off = series.time[where & series.over(limit)]

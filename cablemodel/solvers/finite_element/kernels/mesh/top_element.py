@@ -2,19 +2,14 @@
 
 A joint, with a point body or none, leaves the drum when a hundredth of an element of the cable
 above it is out, and is taken back when half of that is left. A body of finite length takes the
-place of the top element's end when a twentieth of it is out, then passes (passing.py); the cable
-above it comes when the body is out, and goes before it is taken in.
+place of the top element's end when a twentieth of it is out, then passes (body_passage.py); the
+cable above it comes when the body is out, and goes before it is taken in.
 """
 
 import math
 
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
-from cablemodel.solvers.finite_element.kernels.mesh.follow import (
-    bend_allowed,
-    jump_at,
-    position_accuracy,
-)
-from cablemodel.solvers.finite_element.kernels.mesh.passing import (
+from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     axis_motion,
     bare_length,
     body_above,
@@ -29,6 +24,11 @@ from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     split_edge,
     top_edge,
     turn_with_matter,
+)
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
+    bend_allowed,
+    jump_at,
+    position_accuracy,
 )
 from cablemodel.solvers.shared.access import (
     body_at,
@@ -55,15 +55,15 @@ from cablemodel.solvers.shared.layout import (
 )
 
 FEWEST_ELEMENTS = 4
-SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+TOP_SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
 LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
-UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
+TOP_UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
 SLIGHT = 0.15  # the same for one that bends with it
-NEARLY = 1e-6  # how close to a mark the winch's way must end
+TOP_NEARLY = 1e-6  # how close to a mark the winch's way must end
 # What the top of the line asks for.
-LEAVES, RETURNS, DIVIDES, UNITES = 1, 2, 3, 4
-COMES, FOLLOWS = 5, 6  # a body, and the cable after it, on the way out
-STOPS, ENTERS = 7, 8  # the cable before a body, and the body, on the way in
+JOINT_OUT, JOINT_IN, SPLIT_TOP, JOIN_TOP = 1, 2, 3, 4
+BODY_OUT, CABLE_AFTER_BODY = 5, 6  # a body, and the cable after it, on the way out
+CABLE_IN, BODY_IN = 7, 8  # the cable before a body, and the body, on the way in
 
 
 @kernel
@@ -169,19 +169,19 @@ def next_change(I, M, n):
         out = winch.travel - row.leaves
         body = body_above(I, M, cable)
         of_body = body_at(M, body)
-        if winch.passing != 0.0:
+        if winch.passing_body != 0.0:
             beyond = out - of_body.length
-            if beyond >= (1.0 - NEARLY) * cable_of(I, M, cable + 1).shortest:
-                return FOLLOWS
+            if beyond >= (1.0 - TOP_NEARLY) * cable_of(I, M, cable + 1).shortest:
+                return CABLE_AFTER_BODY
             if out <= 0.5 * bare_length(M, of_body, cable_of(I, M, cable + 1)):
-                return ENTERS
+                return BODY_IN
             return 0
         if body >= 0:
-            if out >= (1.0 - NEARLY) * bare_length(M, of_body, cable_of(I, M, cable + 1)):
-                return COMES
+            if out >= (1.0 - TOP_NEARLY) * bare_length(M, of_body, cable_of(I, M, cable + 1)):
+                return BODY_OUT
         elif out >= cable_of(I, M, cable + 1).shortest and out < winch.top_length:
             # A joint leaves the vessel once enough of the next cable is out.
-            return LEAVES
+            return JOINT_OUT
     if head.parts == 0 and cable > 0:
         # It is taken back when less than half of that is left.
         out = winch.travel - cable_of(I, M, cable - 1).leaves
@@ -189,14 +189,14 @@ def next_change(I, M, n):
         of_body = body_at(M, body)
         if body >= 0:
             if out - of_body.length <= 0.5 * row.shortest:
-                return STOPS
+                return CABLE_IN
         elif out <= 0.5 * row.shortest:
-            return RETURNS
+            return JOINT_IN
     length = winch.top_length
-    if length > SPLIT * row.nominal or is_too_large(I, M, winch, length, 0):
-        return DIVIDES
+    if length > TOP_SPLIT * row.nominal or is_too_large(I, M, winch, length, 0):
+        return SPLIT_TOP
     if may_unite_with_next(I, M, winch, row.nominal):
-        return UNITES
+        return JOIN_TOP
     return 0
 
 
@@ -217,7 +217,7 @@ def may_unite_with_next(I, M, winch, nominal):
     if other.segment != edge_of(I, M, edge).segment or I[head.joint + below] != 0:
         return False
     # One of few elements goes only where another one gains by being halved.
-    if length < UNEVEN * other.length:
+    if length < TOP_UNEVEN * other.length:
         return True
     _edges, elements, _length = measure_line(I, M, winch)
     return elements > FEWEST_ELEMENTS and not is_too_large(I, M, winch, length + other.length, 1)
@@ -297,7 +297,7 @@ def let_body_come(I, M):
     row.node = 1.0
     row.clamp_tension[0] = M[head.tension + 2]
     row.clamp_tension[1] = M[head.tension + 2]
-    winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
+    winch.passing_body = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     along_the_body(I, M, new_axis())
     body_moved(I, M, row)
     update_springs(I, M, 0.0)
@@ -349,7 +349,7 @@ def let_cable_follow(I, M):
         M[head.rest + size + i] = M[head.rest + i]
     winch.top_length = length
     body_moved(I, M, row)
-    winch.passing = 0.0
+    winch.passing_body = 0.0
     winch.cable = cable + 1
     row.clamp_tension[0] = pull
     update_springs(I, M, 0.0)
@@ -368,7 +368,7 @@ def let_body_stop(I, M):
     close_gap(I, M, 1, 1)
     body_moved(I, M, row)
     winch.top_length = winch.travel - cable_of(I, M, cable).leaves
-    winch.passing = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
+    winch.passing_body = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     winch.cable = cable
     along_the_body(I, M, new_axis())
     update_springs(I, M, 0.0)
@@ -385,7 +385,7 @@ def let_body_enter(I, M):
     cable = int(winch.cable)
     row = body_at(M, body_above(I, M, cable))
     row.node = -1.0
-    winch.passing = 0.0
+    winch.passing_body = 0.0
     axis = new_axis()
     for i in range(dimension):
         axis.direction[i] = M[head.position + size + dimension + i]
@@ -465,7 +465,7 @@ def adapt_top(I, M, n):
         cable = int(winch.cable)
         row = cable_of(I, M, cable)
         status = OK
-        if change == LEAVES:
+        if change == JOINT_OUT:
             above = cable_at(M, word_of(M, row) + CABLE_WORDS)
             out = winch.travel - row.leaves
             hinge = above.hinge != 0.0
@@ -475,7 +475,7 @@ def adapt_top(I, M, n):
                 if above.body >= 0.0:
                     body_of(I, M, int(above.body)).node = 1.0
                 winch.cable = cable + 1
-        elif change == RETURNS:
+        elif change == JOINT_IN:
             if row.body >= 0.0:
                 body_of(I, M, int(row.body)).node = -1.0
             # All of the upper cable's elements go.
@@ -485,15 +485,15 @@ def adapt_top(I, M, n):
             give_properties(I, M, 1, cable - 1)
             edge_of(I, M, 1).length = winch.top_length
             winch.cable = cable - 1
-        elif change == COMES:
+        elif change == BODY_OUT:
             status = let_body_come(I, M)
-        elif change == FOLLOWS:
+        elif change == CABLE_AFTER_BODY:
             status = let_cable_follow(I, M)
-        elif change == STOPS:
+        elif change == CABLE_IN:
             let_body_stop(I, M)
-        elif change == ENTERS:
+        elif change == BODY_IN:
             let_body_enter(I, M)
-        elif change == DIVIDES:
+        elif change == SPLIT_TOP:
             status = divide(I, M, n)
         else:
             _edges, elements, _length = measure_line(I, M, winch)
