@@ -10,6 +10,7 @@ A C function takes the instance block once, where the kernel takes it as integer
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import json
 import os
@@ -29,13 +30,18 @@ PORTABLE = {
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
     "NUMBA_OPT": "0",
+    "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",
     "PYTHONHASHSEED": "0",
 }
 """Environment in which numba makes code for every processor of an architecture.
 
 Optimising is left to the build, once for all entry points together: numba would do it for each one
-with all that it calls, which makes a library half as large again, and no faster.
+with all that it calls, which makes a library half as large again, and no faster. Numba colours the
+words of every overload that does not fit, whether anybody reads them or not.
 """
+SELDOM = (100_000, 50, 1000)
+"""Thresholds of Python's garbage collector here: what is typed and lowered is hardly ever garbage,
+and looking for it was a sixth of the work."""
 
 
 def native_module(dispatchers: dict[str, Any]) -> tuple[str, dict[str, list[str]]]:
@@ -175,6 +181,7 @@ def main(part: str, folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
     from cablemodel.solvers.shared.compile import calls_resolved_once
 
+    gc.set_threshold(*SELDOM)
     with calls_resolved_once():
         assembly, arguments = native_module(entry_points(part))
     for name, text in (

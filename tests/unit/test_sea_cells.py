@@ -157,7 +157,7 @@ def test_a_run_is_the_one_with_the_sum(tolerance, monkeypatch):
         return np.array(shapes), np.array(pulls), model.statistics
 
     shapes, pulls, statistics = run()
-    monkeypatch.setattr(waves, "FEWEST", 10**6)
+    monkeypatch.setattr(waves, "SEA_FEWEST", 10**6)
     exact_shapes, exact_pulls, exact_statistics = run()
     assert np.linalg.norm(shapes - exact_shapes, axis=2).max() < 0.05 * tolerance * 22.0
     assert rms(pulls - exact_pulls) < 0.1 * 10.0 * tolerance * exact_pulls.max()

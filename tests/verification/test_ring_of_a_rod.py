@@ -18,7 +18,7 @@ import cablemodel as cm
 
 LENGTH, STIFFNESS, MASS, WEIGHT = 140.0, 3e8, 23.5, 172.0  # of the wire, per length
 LOAD, LOAD_WEIGHT = 20e3, 150e3
-TAU, UNTIL, INTERVAL = 2e-4, 60.0, 0.7
+TAU, UNTIL, INTERVAL = 2e-4, 42.0, 0.7
 PROMISE = 10.0 * TAU * (LOAD_WEIGHT + LENGTH * WEIGHT)
 KINKS, RATE = (10.0, 12.0), 0.2
 PERIOD, HEAVE, RAMP = 8.0, 0.4, 30.0
