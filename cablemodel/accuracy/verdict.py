@@ -216,7 +216,7 @@ def _notes(
                 f"t = {settled.snaps[0]:g} s: there even the two finest runs differ by more than "
                 "half the promise, as in shocks, or one of them is an output late."
             )
-    if any(item.cable.elements for item in (*scene.line, *scene.payout.drum) if item.cable):
+    if any(item.cable.elements for item in scene.line_and_drum if item.cable):
         yield (
             "The line gives elements: its mesh is the same at all tolerances, and what that is "
             "wrong by is not seen."

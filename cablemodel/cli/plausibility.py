@@ -75,7 +75,7 @@ def scene_warnings(scene: Scene) -> list[str]:
         )
     if scene.vessel.connection.kind == "clamped" and is_flexible(scene, scene.cables[0]):
         found.append("vessel.connection is clamped, but the first cable has no bending: no effect")
-    items = (*scene.line, *scene.payout.drum)
+    items = scene.line_and_drum
     found += _type_warnings(scene, items, "the line")
     found += _item_warnings(scene, items)
     found += _end_of_the_drum(scene)
@@ -201,7 +201,7 @@ def _slack_without_bending(scene: Scene) -> list[str]:
         return []
     depth = scene.vessel.position[2] - floor.z
     found = []
-    cables = [*scene.cables, *(item.cable for item in scene.payout.drum if item.cable is not None)]
+    cables = [*scene.cables, *scene.drum_cables]
     for name in dict.fromkeys(cable.type for cable in cables if is_flexible(scene, cable)):
         kind = scene.cable_types[name]
         weight = kind.submerged_weight or 0.0
@@ -303,7 +303,7 @@ def _end_of_the_drum(scene: Scene) -> list[str]:
     rows, end = scene.payout.rate, scene.run.duration
     if all(row.rate <= 0.0 for row in rows):
         return []
-    cables = sum(item.cable.length for item in scene.payout.drum if item.cable is not None)
+    cables = sum(cable.length for cable in scene.drum_cables)
     bodies = sum(2.0 * item.body.half_length for item in scene.payout.drum if item.body is not None)
     held = cables + bodies
     times = np.array(sorted({0.0, end, *(row.t for row in rows if 0.0 < row.t < end)}))

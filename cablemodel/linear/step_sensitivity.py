@@ -220,7 +220,7 @@ class _Change:
 
 def _tables(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """What a parameter may change: rows of edges by cable type, and of bodies by their items."""
-    items = [*scene.line, *scene.payout.drum]
+    items = scene.line_and_drum
     edges = np.zeros((len(scene.cable_types), at.EDGE_WORDS))
     bodies = np.zeros((len(items), at.BODY_WORDS))
     kinds = list(scene.cable_types)

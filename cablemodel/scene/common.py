@@ -25,6 +25,10 @@ class CableScene(Protocol):
         """Those that are out at t = 0."""
 
     @property
+    def drum_cables(self) -> Sequence[Cable]:
+        """Those on a drum."""
+
+    @property
     def line_length(self) -> float:
         """Unstretched length of the line, of several of the longest [m]."""
 

@@ -370,6 +370,16 @@ class Scene(Document):
         return [item.cable for item in self.line if item.cable is not None]
 
     @property
+    def drum_cables(self) -> list[Cable]:
+        """The cables on the drum at t = 0, vessel end first."""
+        return [item.cable for item in self.payout.drum if item.cable is not None]
+
+    @property
+    def line_and_drum(self) -> tuple[LineItem, ...]:
+        """All cables and bodies: those that are out, then those on the drum."""
+        return (*self.line, *self.payout.drum)
+
+    @property
     def bodies(self) -> list[Body]:
         """The bodies that are out at t = 0, from the vessel outwards."""
         return [item.body for item in self.line if item.body is not None]

@@ -46,8 +46,9 @@ class Surroundings:
     @classmethod
     def of(cls, scene: Scene) -> Surroundings:
         """Those of a scene's line and of what is on its drum."""
-        drum = [item.cable for item in scene.payout.drum if item.cable is not None]
-        return cls._around(scene, [*reversed(scene.cables), *drum], scene.line_length, sea(scene))
+        return cls._around(
+            scene, [*reversed(scene.cables), *scene.drum_cables], scene.line_length, sea(scene)
+        )
 
     @classmethod
     def of_line(cls, scene: Any, name: str) -> Surroundings:

@@ -459,6 +459,11 @@ class SystemScene(Document):
         items = (item for line in self.lines.values() for item in line.items)
         return [item.cable for item in items if item.cable is not None]
 
+    @property
+    def drum_cables(self) -> list[Cable]:
+        """None: a winch pays out more of the cable at its end of the line."""
+        return []
+
     def cuts_along(self, line: str) -> list[float]:
         """Arc lengths between the ends of a line at which it may be cut, in order [m]."""
         places = (cut.at for cut in self.cuts.values() if cut.line == line)

@@ -226,7 +226,7 @@ def _descriptions(variable: Variable, stations: int, bodies: list[str]) -> list[
 
 
 def _body_names(scene: Scene, block: AnyBlock, rows: list[int]) -> list[str]:
-    items = [*scene.line, *scene.payout.drum]
+    items = scene.line_and_drum
     bodies = [items[_items(block)[row]].body for row in rows]
     return [(body.name or "") if body is not None else "" for body in bodies]
 
@@ -308,9 +308,9 @@ def coefficients(scene: Scene, block: AnyBlock) -> list[Coefficient]:
     """Tunable coefficients of cable types and bodies."""
     found = Coefficients(scene, _DIRECT_WORDS if isinstance(block, DirectBlock) else _WORDS)
     used = {cable.type for cable in scene.cables}
-    used |= {item.cable.type for item in scene.payout.drum if item.cable is not None}
+    used |= {cable.type for cable in scene.drum_cables}
     found.add_types(scene, used)
-    items = [*scene.line, *scene.payout.drum]
+    items = scene.line_and_drum
     for number, row in enumerate(body_rows(scene, block), start=1):
         body = items[_items(block)[row]].body
         assert body is not None
@@ -397,7 +397,7 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
     cablemodel/solvers/finite_element/start/winch.py.
     """
     found: list[Coefficient] = []
-    drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    drum = scene.drum_cables
     rows = [*range(len(scene.cables) - 1, -1, -1), *_drum_rows(scene)]
     tensions = [*tension_per_length(scene), *(0.0 for _ in drum)]
     settable = is_settable(scene)

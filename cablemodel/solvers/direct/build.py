@@ -46,14 +46,14 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     current = scene.environment.current
     floor = scene.environment.floor
     spacing = scene.solver.node_spacing
-    of_drum = [item.cable for item in scene.payout.drum if item.cable is not None]
+    of_drum = scene.drum_cables
     joints = sum(1 for section in sections[1:] if section.kind != own.RIGID) + len(of_drum)
     nodes = sum(len(section.lengths) + 1 for section in sections) + DIRECT_SPARE_NODES
     for cable in of_drum:
         nodes += 2 * len(even(cable.length, spacing)) + 6
     if floor is not None:
         nodes += 2 * math.ceil(scene.line_length / spacing)
-    items = (*scene.line, *scene.payout.drum)
+    items = scene.line_and_drum
     bodies = [(place, item.body) for place, item in enumerate(items) if item.body is not None]
     types = list(scene.cable_types)
     block = DirectBlock(

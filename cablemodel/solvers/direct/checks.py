@@ -33,7 +33,7 @@ def refuse_unsupported(scene: Scene) -> None:
                     "direct integration has nodes, not elements",
                     "solver.node_spacing",
                 )
-    on_board = (*scene.line, *scene.payout.drum)
+    on_board = scene.line_and_drum
     for name in dict.fromkeys(item.cable.type for item in on_board if item.cable is not None):
         damping = scene.cable_types[name].axial_damping
         if damping != 0.0:

@@ -27,7 +27,7 @@ class DirectSolver(OfBlock):
     def __init__(self, scene: Scene, *, planar: bool | None = None) -> None:
         self.scene = scene
         self.memory = build(scene, planar=planar)
-        items = (*scene.line, *scene.payout.drum)
+        items = scene.line_and_drum
         self._bodies: list[Body] = [item.body for item in items if item.body is not None]
 
     def step(self, end: float, inputs: FloatArray) -> int:

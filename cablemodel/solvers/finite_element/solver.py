@@ -97,7 +97,7 @@ class FiniteElementSolver(OfBlock):
         rows: NDArray[np.float64] = self.memory.array(
             Header.bodies, int(self._header.body_count), at.BODY_WORDS
         )
-        items = [*self.scene.line, *self.scene.payout.drum]
+        items = self.scene.line_and_drum
         arcs = self._all_arcs()
         placed = []
         motion = np.zeros((len(rows), at.STATION_WORDS))

@@ -45,8 +45,7 @@ WINCH = 2
 
 def mesh_is_free(scene: Scene) -> bool:
     """Whether the mesh may change: one that the scene asks for stays as it is."""
-    drum = [item.cable for item in scene.payout.drum if item.cable is not None]
-    return not any(cable.elements is not None for cable in [*scene.cables, *drum])
+    return all(cable.elements is None for cable in (*scene.cables, *scene.drum_cables))
 
 
 def _may_follow_bending(scene: Scene, longest: float) -> bool:

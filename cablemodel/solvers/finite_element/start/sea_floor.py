@@ -87,9 +87,7 @@ def spare_nodes(scene: Scene) -> int:
     """Nodes that refinement at the touchdown may need."""
     if scene.environment.floor is None:
         return 0
-    longest = scene.line_length + sum(
-        item.cable.length for item in scene.payout.drum if item.cable is not None
-    )
+    longest = scene.line_length + sum(cable.length for cable in scene.drum_cables)
     halvings = math.ceil(math.log2(max(2.0, longest / finest_element(scene))))
     return FLOOR_SPARE[0] + FLOOR_SPARE[1] * halvings + _nodes_over_ridges(scene, longest)
 
@@ -118,14 +116,7 @@ def finest_element(scene: Scene) -> float:
 
 def thinnest_layer(scene: CableScene) -> float:
     """Length over which bending spreads the sharpest touchdown of a scene's cables [m]."""
-    return min(touchdown_layer(scene, cable) for cable in _all_cables(scene))
-
-
-def _all_cables(scene: CableScene) -> list[Cable]:
-    """Those that are out, and those on a drum."""
-    payout = getattr(scene, "payout", None)
-    drum = () if payout is None else payout.drum
-    return [*scene.cables, *(item.cable for item in drum if item.cable is not None)]
+    return min(touchdown_layer(scene, cable) for cable in (*scene.cables, *scene.drum_cables))
 
 
 def contact_depth(scene: CableScene) -> float:
