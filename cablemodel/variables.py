@@ -190,6 +190,20 @@ LINE_OUTPUTS: tuple[Variable, ...] = (
 )  # fmt: skip
 """Of each line of a system."""
 
+LINE_FLOOR: tuple[Variable, ...] = (
+    Variable("touchdown point (NaN: none)", "m",
+             "NAME.touchdown_position", "NAME.touchdown.position[i]", "~/NAME/touchdown", POINT,
+             (3,), "floor"),
+    Variable("concentrated reaction there", "N", "NAME.touchdown_reaction",
+             "NAME.touchdown.reaction", "~/NAME/touchdown_reaction", FLOAT64, present="floor"),
+    Variable("force of the floor on it and its bodies", "N", "NAME.floor_force",
+             "NAME.floor.force[i]", "~/NAME/floor_force", WRENCH, (3,), "floor",
+             member="wrench.force"),
+    Variable("length of it on the floor", "m", "NAME.floor_length", "NAME.floor.length",
+             "~/NAME/floor_length", FLOAT64, present="floor"),
+)  # fmt: skip
+"""Of each line of a system over a floor."""
+
 BODY_OUTPUTS: tuple[Variable, ...] = (
     Variable("position of its origin", "m", "NAME.position", "NAME.position[i]",
              "~/NAME/odom", ODOMETRY, (3,), member="pose.pose.position"),
@@ -517,7 +531,7 @@ def _outputs_of_parts(*kinds: tuple[str, ...]) -> tuple[Variable, ...]:
     """The rows of parts of these names, by their kinds: asked for at every output."""
     rows_of_kinds = (
         LINE_OUTPUTS, BODY_OUTPUTS, VESSEL_OUTPUTS, WINCH_OUTPUTS, CUT_OUTPUTS,
-        LINE_ERRORS, BODY_ERRORS,
+        LINE_FLOOR, LINE_ERRORS, BODY_ERRORS,
     )  # fmt: skip
     return tuple(
         row.of_part(name)
@@ -531,8 +545,9 @@ def outputs_of(scene: Any) -> tuple[Variable, ...]:
     """The rows of the table that a scene has; of a system those of its parts, by their names."""
     if is_system(scene):
         kinds = scene.lines, scene.bodies, scene.vessels, scene.winches, scene.cuts
+        over = scene.lines if scene.environment.floor is not None else ()
         judged = (scene.lines, scene.bodies) if scene.solver.error_estimate else ((), ())
-        return _outputs_of_parts(*(tuple(names) for names in (*kinds, *judged)))
+        return _outputs_of_parts(*(tuple(names) for names in (*kinds, over, *judged)))
     return tuple(variable for variable in OUTPUTS if variable.in_scene(scene))
 
 
@@ -581,8 +596,7 @@ def document() -> str:
         "water. The *wall tension*, what the material carries, is less by the pressure of the",
         "water around the cable times its cross-section, and equal above the water (as in",
         "OrcaFlex). Python has it as `state().wall_tension`, a run as `run.states.wall_tension`,",
-        "an export of states as the column `wall_tension`; it is made of a state and the scene",
-        "when it is asked for, from a log as well.",
+        "an export of states as a column; it is made of a state and the scene, from a log as well.",
         "",
         "A line is *slack* from when its lowest tension comes to 0 until that is 2 % of the",
         "largest at the start, or of its weight in water (with a free end 0): folds pull a little.",
@@ -625,9 +639,8 @@ def document() -> str:
         "",
         f"- `{APPLIED_INPUTS_TOPIC}`, one for every step: "
         + ", ".join(f"`{label}`" for label in APPLIED_INPUT_LABELS)
-        + ". `time` is the end of the step, values are those reached there; an input that was",
-        "  neither given nor reported is NaN; `..._given` is 1 where the caller gave the input and",
-        "  0 where the scene's own table drove it.",
+        + ". `time` is the end of the step, values are those reached there, NaN where neither",
+        "  given nor reported; `..._given` is 1 where the caller gave the input, else 0.",
         f"- `{STATE_TOPIC}`, at every output, or in long runs at some of them: the time [s] first",
         "  (`data_offset` is 1), then a matrix with a row for each of "
         + ", ".join(f"`{label}`" for label in STATE_LABELS)
@@ -645,13 +658,16 @@ def _systems() -> list[str]:
         "NAME is that of a line, body, vessel, winch or cut. Outputs are `run[...]` and those of",
         "`SystemModel.outputs()`; inputs are arguments of `SystemModel.step`.",
         "",
+        "The touchdown point of a line is the one nearest to its beginning or, where only its beginning",
+        "is at an anchor or lies, nearest to its end. A line that is cut counts whole.",
+        "",
         "|of a|quantity|unit|Python|FMU|ROS 2 and log|",
         "|---|---|---|---|---|---|",
     ]
     outputs = (
         ("line", LINE_OUTPUTS), ("body", BODY_OUTPUTS),
         ("vessel", VESSEL_OUTPUTS[len(BODY_OUTPUTS) :]), ("winch", WINCH_OUTPUTS),
-        ("cut", CUT_OUTPUTS), ("line", LINE_ERRORS), ("body", BODY_ERRORS),
+        ("cut", CUT_OUTPUTS), ("line", LINE_FLOOR), ("line", LINE_ERRORS), ("body", BODY_ERRORS),
     )  # fmt: skip
     for part, rows in outputs:
         name = "body, vessel" if rows is BODY_OUTPUTS else part
@@ -670,7 +686,7 @@ def _systems() -> list[str]:
 def _cells(part: str, row: Variable | Input, python: str, fmu: str) -> str:
     names = (f"`{python}`", f"`{fmu}`" if fmu else "-", f"`{row.topic}`")
     when = _WHEN[row.present] if isinstance(row, Variable) else ""
-    quantity = f"{row.quantity} ({when})" if when else row.quantity
+    quantity = f"{row.quantity} ({when.removeprefix('scenes with a ')})" if when else row.quantity
     return "|" + "|".join((part, quantity, row.unit or "-", *names)) + "|"
 
 

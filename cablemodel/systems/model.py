@@ -94,6 +94,20 @@ class Slack:
     """Where that ends [m]."""
 
 
+@dataclass(frozen=True)
+class OnFloor:
+    """What the sea floor does to a line; see the properties of `CableModel` of these names."""
+
+    touchdown_position: FloatArray
+    """(3,) [m]; not numbers: it touches nowhere."""
+    touchdown_reaction: float
+    """[N]"""
+    floor_force: FloatArray
+    """(3,) [N], earth frame."""
+    floor_length: float
+    """[m]"""
+
+
 class LineView:
     """One line of a model, by its name."""
 
@@ -164,6 +178,26 @@ class LineView:
         """For how long some of it has been slack so far, and where."""
         row = self._model.built.line_rows[self.name]
         return Slack(*map(float, (row.total, row.longest, row.since, row.first, row.last)))
+
+    @property
+    def on_floor(self) -> OnFloor:
+        """How it lies on the sea floor.
+
+        The touchdown point is the one nearest to its beginning; of a line that begins at an anchor,
+        or on the floor, and ends above it, the one nearest to its end.
+        """
+        from cablemodel.solvers import library as entry
+
+        nodes = self._model.built.elements(self.name).node.astype(np.float64)
+        words, block = np.zeros(at.SUMMARY_WORDS), self._model.built.block
+        entry.floor_of_line(block.ints, block.reals, nodes, words)
+        found = at.Summary(words)
+        return OnFloor(
+            touchdown_position=found.touchdown_position.copy(),
+            touchdown_reaction=float(found.touchdown_reaction),
+            floor_force=found.floor_force.copy(),
+            floor_length=float(found.floor_length),
+        )
 
     @property
     def start_tension(self) -> float:
@@ -465,6 +499,10 @@ class SystemModel:
                 found[f"{name}.{key}"] = np.array(getattr(winch, key))
         for name, time in self.cuts.items():
             found[f"{name}.time"] = np.array(np.nan if time is None else time)
+        if self.scene.environment.floor is not None:
+            for name, line in self.lines.items():
+                for key, value in asdict(line.on_floor).items():
+                    found[f"{name}.{key}"] = np.array(value)
         if self.scene.solver.error_estimate:
             for name, errors in self.errors.items():
                 found[f"{name}.position_error"] = np.array(errors.position)

@@ -57,6 +57,8 @@ def at_start(model: SystemModel) -> Iterator[str]:
     """Tensions at the ends of all lines, and where bodies are."""
     for name, line in model.lines.items():
         ends = line.sample([0.0, line.length]).tension
-        yield f"{name}: {ends[0]:.5g} N at its beginning, {ends[1]:.5g} N at its end"
+        found = line.on_floor
+        lies = f", {found.floor_length:.5g} m on the floor" if found.floor_length else ""
+        yield f"{name}: {ends[0]:.5g} N at its beginning, {ends[1]:.5g} N at its end{lies}"
     for name, motion in model.bodies.items():
         yield f"{name}: at {_numbers(motion.position)} m"

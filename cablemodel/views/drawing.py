@@ -164,12 +164,17 @@ def _on_line(s: Floats, position: Floats, along: float) -> Floats:
     )
 
 
+def touchdowns(run: Run) -> dict[str, Floats]:
+    """Touchdown point of every line over a floor (n, 3) [m], by its name; NaN without touchdown."""
+    keys = {name: f"{name}.touchdown_position".lstrip(".") for name in run.shapes}
+    return {name: run[key] for name, key in keys.items() if key in run.names}
+
+
 def touchdown_of(run: Run, shapes: Shapes) -> Marks:
-    """Where a line meets the floor; NaN without touchdown."""
-    places = np.empty((len(shapes.time), 0, 3))
-    if "touchdown_position" in run.names:
-        places = run["touchdown_position"][nearest(run.time, shapes.time), None]
-    return Marks("touchdown", ("",) * places.shape[1], places)
+    """Where lines meet the floor; NaN without touchdown."""
+    found = touchdowns(run)
+    columns = [places[nearest(run.time, shapes.time)] for places in found.values()]
+    return Marks("touchdown", ("",) * len(found), _stacked(columns, shapes.time))
 
 
 def held_of(run: Run, shapes: Shapes) -> Marks:

@@ -30,6 +30,7 @@ RARE_ENTRIES = (
     "drive",
     "energy",
     "equilibrium",
+    "floor_of_line",
     "frame_motion",
     "force_rate",
     "force_response",

@@ -49,6 +49,10 @@ def encode_parts(
             data = messages.row(variables.SLACK_LABELS, np.array(slack))
         elif row.message == variables.ODOMETRY:
             data = messages.part_odometry(stamp, name, parts[name])
+        elif row.message == variables.POINT:
+            data = messages.point(stamp, outputs[row.python])
+        elif name in shapes:
+            data = messages.wrench(stamp, outputs[row.python])
         else:
             wrench = np.concatenate([outputs[f"{name}.force"], outputs[f"{name}.moment"]])
             data = messages.part_wrench(stamp, name, parts[name].axes, wrench)

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from cablemodel.results.columns import input_fields
 from cablemodel.results.run import Run, SystemRun
-from cablemodel.views.drawing import COLOURS, slack_spans, start_of, start_tensions, tension_errors
+from cablemodel.views.drawing import (
+    COLOURS,
+    slack_spans,
+    start_of,
+    start_tensions,
+    tension_errors,
+    touchdowns,
+)
 from cablemodel.views.report.samples import Along, Field, thinned
 
 Floats = NDArray[np.float64]
@@ -117,11 +124,8 @@ def start_tension(run: Run, seconds: float, hours: str, newtons: float, unit: st
     for k, (name, errors) in enumerate(tension_errors(run).items()):
         traces += _band(time, starts[name] / newtons, errors / newtons, named=k == 0)
     for k, (name, tension) in enumerate(starts.items()):
-        style = {
-            "color": COLOURS[k % len(COLOURS)],
-            "dash": DASHES[k // len(COLOURS) % len(DASHES)],
-        }
-        traces.append(_curve(time, tension / newtons, name or start_of(name), **style, width=2))
+        words = name or start_of(name)
+        traces.append(_curve(time, tension / newtons, words, **_style(k), width=2))
     traces.append(_curve(time, lowest, f"lowest {where}", color="#8a97a5", width=1))
     shades = [
         {"type": "rect", "x0": begin / seconds, "x1": end / seconds, "yref": "paper", "y0": 0,
@@ -218,21 +222,30 @@ def heat_map(
 
 
 def touchdown(run: Run, seconds: float, hours: str) -> Figure | None:
-    """Where the cable meets the floor, and how much of it lies there; None if it never does."""
-    if "touchdown_position" not in run.names:
-        return None
-    place = run["touchdown_position"]
-    if not np.any(np.all(np.isfinite(place), axis=-1)):
+    """Where the cable meets the floor, and how much of it lies there; of the lines of a system how
+    much of each lies. None if nothing ever does."""
+    places = {name: at for name, at in touchdowns(run).items() if np.isfinite(at).any()}
+    if not places:
         return None
     time = run.time / seconds
-    top = np.array([state.position[0] for state in run.states])
-    across = [np.interp(run.time, run.states.time, top[:, axis]) for axis in (0, 1)]
-    away = np.hypot(place[:, 0] - across[0], place[:, 1] - across[1])
-    traces = [
-        _curve(time, away, "horizontally from the tow point", color=COLOURS[0]),
-        _curve(time, run["floor_length"], "length on the floor", color=COLOURS[2]),
-    ]
-    return {"data": traces, "layout": _over_time(time, hours, "length [m]", **_legend())}
+    traces = []
+    if "" in places:
+        place = places[""]
+        top = np.array([state.position[0] for state in run.states])
+        across = [np.interp(run.time, run.states.time, top[:, axis]) for axis in (0, 1)]
+        away = np.hypot(place[:, 0] - across[0], place[:, 1] - across[1])
+        traces.append(_curve(time, away, "horizontally from the tow point", color=COLOURS[0]))
+        traces.append(_curve(time, run["floor_length"], "length on the floor", color=COLOURS[2]))
+    else:
+        for k, name in enumerate(places):
+            traces.append(_curve(time, run[f"{name}.floor_length"], name, **_style(k)))
+    label = "length [m]" if "" in places else "length on the floor [m]"
+    return {"data": traces, "layout": _over_time(time, hours, label, **_legend())}
+
+
+def _style(k: int) -> dict[str, Any]:
+    """Colour and dashes of one of many curves."""
+    return {"color": COLOURS[k % len(COLOURS)], "dash": DASHES[k // len(COLOURS) % len(DASHES)]}
 
 
 _INPUTS = (

@@ -230,6 +230,10 @@ def _part_rows(run: SystemRun, newtons: float, unit: str) -> _Values:
         for axis, word in enumerate(("roll", "pitch", "yaw")):
             yield f"{name}, {word}", "deg", np.degrees(run[f"{name}.attitude"][:, axis])
         yield f"speed of {name}", "m/s", np.linalg.norm(run[f"{name}.velocity"], axis=-1)
+    for name in run.scene.lines:
+        key = f"{name}.floor_length"
+        if key in run.names and np.ptp(run[key]) > 0.0:
+            yield f"length of {name} on the floor", "m", run[key]
     for name in run.scene.vessels:
         force = np.linalg.norm(run[f"{name}.force"], axis=-1)
         moment = np.linalg.norm(run[f"{name}.moment"], axis=-1)

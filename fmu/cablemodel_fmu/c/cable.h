@@ -172,6 +172,8 @@ int64_t cablemodel_sample_elements(void *block, int64_t words, double *elements,
 int64_t cablemodel_frame_motion(void *block, int64_t words, double *motion, int64_t n);
 int64_t cablemodel_tension_ranges(void *block, int64_t words, double *elements, int64_t n, double *out,
                                   int64_t m);
+int64_t cablemodel_floor_of_line(void *block, int64_t words, double *elements, int64_t n, double *out,
+                                 int64_t m);
 int64_t cablemodel_parts(void *block, int64_t words, double *bodies, int64_t n, double *frames,
                          int64_t m);
 int64_t cablemodel_force_rate(void *block, int64_t words, double last_step, double *out,

@@ -16,7 +16,7 @@ enum { OF_VESSEL = 12, OF_FREE_BODY = 6 };
 enum { AT_POSITION = 0, AT_VELOCITY = 3, AT_ATTITUDE = 6, AT_RATE = 9 };
 enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE };
 /* Outputs of a line, but for those of its stations, and of each station; of a body, of a vessel. */
-enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3 };
+enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3, FLOOR_OUTPUTS = 8 };
 enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
 /* Of an input, or of a vessel's start: its start, and what is allowed. Of all: the name, ended by
@@ -178,6 +178,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
                  s->winches * WINCH_OUTPUTS + s->cuts;
+    if (header(I)->floor_kind != 0) s->outputs += s->lines * FLOOR_OUTPUTS;
     if (cable->flags & FLAG_ESTIMATE) s->outputs += s->lines * LINE_ERRORS + s->bodies * BODY_ERRORS;
     const size_t samples = (size_t)(s->lines * (2 + cable->stations));
     s->told = calloc((size_t)s->inputs + 1, 1);
@@ -833,6 +834,24 @@ static double apart(const double *one, const double *other) {
     return sqrt(square);
 }
 
+/* What the floor does to each line: LineView.on_floor. Uses the nodes in `ranges` up. */
+static double *floor_outputs(Cable *cable, int64_t elements, double *out) {
+    System *s = cable->system;
+    Summary found;
+    for (int64_t line = 0; line < s->lines; line++) {
+        int64_t first = 0;
+        const int64_t count = elements_of(s, elements, line, &first);
+        cablemodel_floor_of_line(cable->I, cable->block_words, s->ranges + first, count, (double *)&found,
+                                 SUMMARY_WORDS);
+        memcpy(out, found.touchdown_position, 3 * sizeof(double));
+        out[3] = found.touchdown_reaction;
+        memcpy(out + 4, found.floor_force, 3 * sizeof(double));
+        out[7] = found.floor_length;
+        out += FLOOR_OUTPUTS;
+    }
+    return out;
+}
+
 /* What lines and bodies may be wrong by: SystemModel.errors; bodies: rows of the parts of this run. */
 static void error_outputs(Cable *cable, int64_t elements, const PartMotion *bodies, double *out) {
     System *s = cable->system;
@@ -910,6 +929,7 @@ static const double *outputs(Cable *cable) {
         const double time = cable->M[header(cable->I)->cuts + n * CUT_WORDS + WORD(Cut, done)];
         *out++ = time < 1e300 ? time + cable->now.start_time : NAN;
     }
+    if (header(cable->I)->floor_kind != 0) out = floor_outputs(cable, elements, out);
     if (cable->flags & FLAG_ESTIMATE) error_outputs(cable, elements, s->parts, out);
     s->current = 1;
     return s->values;

@@ -233,6 +233,16 @@ def tension_ranges(I, M, elements, out):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def floor_of_line(I, M, elements, out):
+    """What the floor does to a line of a system: those numbers of a Summary.
+
+    elements: of the line from its beginning on, by their numbers; their order changes.
+    """
+    part_outputs.floor_of_line(I, M, elements, out)
+    return len(elements)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
 def parts(I, M, bodies, frames):
     """Motion of bodies and frames, and what lines pull frames with: part_outputs.parts_motion."""
     head = header(I)
@@ -270,6 +280,7 @@ ENTRY_POINTS = {
     "frame_motion": frame_motion,
     "sample_elements": sample_elements,
     "tension_ranges": tension_ranges,
+    "floor_of_line": floor_of_line,
     "parts": parts,
     "to_three_dimensions": to_three_dimensions,
 }

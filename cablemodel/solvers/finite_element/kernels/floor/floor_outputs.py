@@ -19,8 +19,16 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import (
     gap_at,
     lowest_gap,
 )
-from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.access import (
+    cable_of,
+    constraint_of,
+    edge_of,
+    header,
+    scalars,
+    vector,
+)
+from cablemodel.solvers.shared.compile import kernel, view
+from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, JOINT_BODY, JOINT_HINGE, JOINT_ROOT
 
 ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
 
@@ -57,20 +65,76 @@ def gap_within(I, M, node, x, place, normal):
 
 
 @kernel
-def first_below(I, M, node, depth):
-    """Fraction of an element, from the vessel's side, where its gap first is less; 2: nowhere."""
+def against_tree(I, M, node, turned):
+    """Whether a line is looked at along an element against the tree; turned: from its end."""
+    backward = cable_of(I, M, int(edge_of(I, M, node).segment)).backward != 0.0
+    return backward != turned
+
+
+@kernel
+def gap_along(I, M, node, turned, x, place, normal):
+    """The gap at a fraction x of an element from where it is looked at, as `gap_within`."""
+    if against_tree(I, M, node, turned):
+        x = 1.0 - x
+    return gap_within(I, M, node, x, place, normal)
+
+
+@kernel
+def adjacent(I, one, other):
+    """Whether one of two elements begins at the node at which the other one ends."""
+    return I[header(I).parent + other] == one or I[header(I).parent + one] == other
+
+
+@kernel
+def hangs_on(I, node, before):
+    """Whether an element hangs in the tree on the one before it, with joints of the line between."""
+    head = header(I)
+    at = I[head.parent + node]
+    while I[head.joint + at] == JOINT_HINGE or I[head.joint + at] == JOINT_BODY:
+        at = I[head.parent + at]
+    return at == before
+
+
+@kernel
+def goes_on(I, M, before, node, turned):
+    """Whether the line has not been cut between two elements that follow each other in it."""
+    if against_tree(I, M, node, turned):
+        return hangs_on(I, before, node)
+    return hangs_on(I, node, before)
+
+
+@kernel
+def nothing_beyond(I, M, node, turned):
+    """Whether no joint comes after an element that is the last one looked at."""
+    head = header(I)
+    if against_tree(I, M, node, turned):
+        return I[head.parent + node] == 0 or I[head.joint + I[head.parent + node]] >= JOINT_ROOT
+    return node + 1 == head.nodes or I[head.parent + node + 1] != node
+
+
+@kernel
+def turn(elements):
+    """The elements of a line in the opposite order."""
+    last = len(elements) - 1
+    for k in range(len(elements) // 2):
+        elements[k], elements[last - k] = elements[last - k], elements[k]
+
+
+@kernel
+def first_below(I, M, node, turned, depth):
+    """Fraction of an element, from where it is looked at, where its gap first is less; 2: nowhere."""
     place = vector()
     normal = vector()
     before = 0.0
     for k in range(17):
         x = k / 16.0
-        if gap_within(I, M, node, x, place, normal) < depth:
+        if gap_along(I, M, node, turned, x, place, normal) < depth:
             if k == 0:
                 return 0.0
             after = x
             for _halving in range(30):
                 x = 0.5 * (before + after)
-                if gap_within(I, M, node, x, place, normal) < depth:
+                if gap_along(I, M, node, turned, x, place, normal) < depth:
                     after = x
                 else:
                     before = x
@@ -80,8 +144,9 @@ def first_below(I, M, node, depth):
 
 
 @kernel
-def find_touchdown(I, M):
-    """Element nearest the vessel where cable comes to lie, and the fraction of it; 0: none touches.
+def find_touchdown(I, M, elements, turned):
+    """Index of the first element where cable comes to lie, and the fraction of it; -1: none
+    touches.
 
     Cable that the floor bears nowhere by as much as what lies is touched where it begins to be
     borne: something else carries the rest, a flow past it or a pull up.
@@ -89,24 +154,25 @@ def find_touchdown(I, M):
     head = header(I)
     q = M[head.position : head.position + 2 * head.dimension * head.nodes]
     depth = scalars(M).floor_depth
-    touches = 0
+    touches = -1
     there = 0.0
-    for node in range(1, head.nodes):
-        if I[head.joint + node] != 0 or lowest_gap(I, M, q, node) >= depth:
+    for k in range(len(elements)):
+        node = int(elements[k])
+        if lowest_gap(I, M, q, node) >= depth:
             continue
-        begin = first_below(I, M, node, lying_gap(I, M, node))
+        begin = first_below(I, M, node, turned, lying_gap(I, M, node))
         if begin <= 1.0:
-            return node, begin
-        if touches == 0:
-            begin = first_below(I, M, node, depth)
+            return k, begin
+        if touches < 0:
+            begin = first_below(I, M, node, turned, depth)
             if begin <= 1.0:
-                touches = node
+                touches = k
                 there = begin
     return touches, there
 
 
 @kernel
-def lying_share(I, M, node, begin):
+def lying_share(I, M, node, turned, begin):
     """Share of an element beyond a fraction of it where the floor bears it.
 
     Cable that lies rises a little behind its touchdown, without leaving the floor.
@@ -118,7 +184,7 @@ def lying_share(I, M, node, begin):
     before = 0.0
     for k in range(17):
         x = begin + (1.0 - begin) * k / 16.0
-        clear = gap_within(I, M, node, x, place, normal) - depth
+        clear = gap_along(I, M, node, turned, x, place, normal) - depth
         if k > 0:
             if clear < 0.0 and before < 0.0:
                 share += 1.0
@@ -129,12 +195,13 @@ def lying_share(I, M, node, begin):
 
 
 @kernel
-def floor_summary(I, M, force_on_all, touchdown):
-    """What the floor does, in the block's coordinates, at the present state.
+def touchdown_along(I, M, elements, turned, touchdown):
+    """Where a line, or a part of it, comes down to the floor, looked at in the order of `elements`.
 
-    Writes its force on cable and bodies (3) [N] and the touchdown point nearest the vessel (3) [m],
-    not a number where no cable touches. Returns the length of cable from there on that the floor
-    bears [m] and the concentrated reaction there [N].
+    elements: numbers of the nodes at their far ends along the tree. turned: from the line's end.
+    Writes the first touchdown point (3) [m] in the block's coordinates, not a number where no cable
+    touches. Returns the length of cable from there on that the floor bears [m] and the
+    concentrated reaction there [N].
 
     On a rigid floor cable lies down with a reaction R at one point, at a distance a before the end
     of the zone looked at, and its weight w on the length a. A soft floor spreads R, and cable comes
@@ -151,6 +218,7 @@ def floor_summary(I, M, force_on_all, touchdown):
     dimension = head.dimension
     size = 2 * dimension
     nodes = head.nodes
+    count = len(elements)
     contact = contact_of()
     normal = contact.normal
     acceleration = vector()
@@ -159,12 +227,16 @@ def floor_summary(I, M, force_on_all, touchdown):
     a = M[head.acceleration : head.acceleration + size * nodes]
     depth = state.floor_depth
     for i in range(3):
-        force_on_all[i] = 0.0
+        touchdown[i] = math.nan
+    touched, start = find_touchdown(I, M, elements, turned)
+    if touched < 0:
+        return 0.0, 0.0
+    for i in range(3):
         touchdown[i] = 0.0
+    segment = edge_of(I, M, int(elements[touched])).segment
     lying = 0.0
-    reaction = 0.0
-    touched, start = find_touchdown(I, M)
     arc = 0.0  # of the element's beginning
+    arc_touched = 0.0
     geometric = 0.0  # arc length where cable is as near the floor as it lies
     last = 1e300  # arc length in whose element the zone ends
     first = 1e300  # and where it may end at the earliest
@@ -174,11 +246,16 @@ def floor_summary(I, M, force_on_all, touchdown):
     moment = 0.0  # about arc = 0
     square = 0.0  # sums over the ends
     before = 0.0
-    for node in range(1, nodes):
-        if I[head.joint + node] != 0:
-            continue
+    whole = True
+    for k in range(count):
+        node = int(elements[k])
         edge = edge_of(I, M, node)
         h = edge.length
+        if k > 0 and not goes_on(I, M, int(elements[k - 1]), node, turned):
+            # Nothing that is beyond a cut is in balance with what is before it.
+            whole = k <= touched
+            force = force if k > touched else 0.0
+            moment = moment if k > touched else 0.0
         if lowest_gap(I, M, q, node) >= depth:
             arc += h
             continue
@@ -186,23 +263,181 @@ def floor_summary(I, M, force_on_all, touchdown):
         load = edge.contact * edge.support
         inertia = edge.mass + edge.added_mass
         begin = 0.0
-        reached = touched != 0 and node >= touched
-        if node == touched:
+        reached = k >= touched
+        if k == touched:
             begin = start
+            arc_touched = arc
             geometric = arc + begin * h
             layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
             pull = max(0.0, M[head.tension + 2 * node])
             layer += math.sqrt(2.0 * depth * pull / edge.contact)
             first = geometric + ZONE[0] * layer
             last = geometric + ZONE[1] * layer
-            gap_within(I, M, node, begin, touchdown, normal)
+            gap_along(I, M, node, turned, begin, touchdown, normal)
             weight_there = edge.contact * normal[dimension - 1]
         if reached:
-            lying += h * lying_share(I, M, node, begin)
+            lying += h * lying_share(I, M, node, turned, begin)
         # Whole elements: forces of single points are not in balance.
-        within = arc < last
-        if reached and edge.segment != edge_of(I, M, touched).segment:
+        within = whole and arc < last
+        if reached and edge.segment != segment:
             within = False  # bodies and other cable weigh something else
+        against = against_tree(I, M, node, turned)
+        for p in range(4):
+            if not within:
+                break
+            press, gap, _speed = contact_force(
+                I, M, q, v, parent, node, h, p, load, contact, dimension
+            )
+            if gap >= depth:
+                continue
+            weight = h * CONTACT_WEIGHTS[p]
+            there = arc + h * (1.0 - CONTACT_POINTS[p] if against else CONTACT_POINTS[p])
+            interpolate(a, parent, node, h, p, acceleration, dimension)
+            for i in range(dimension):
+                press -= inertia * normal[i] * acceleration[i]
+            force += weight * press
+            moment += weight * press * there
+        arc += h
+        if reached and within:
+            if arc > first or (k + 1 == count and nothing_beyond(I, M, node, turned)):
+                about_end = force * arc - moment
+                square += force * force - 2.0 * weight_there * about_end
+                before += arc - force / max(weight_there, 1e-300)
+                ends += 1
+    reaction = 0.0
+    if ends > 0:
+        reaction = math.sqrt(max(0.0, square / ends))
+        where = before / ends + reaction / max(weight_there, 1e-300)
+        if abs(where - geometric) < last - geometric:
+            # Forward or back from where the cable is as near the floor as it lies.
+            lying += geometric - where
+            go_along(I, M, elements, turned, touched, arc_touched, where, touchdown)
+    return lying, reaction
+
+
+@kernel
+def go_along(I, M, elements, turned, k, arc, where, place):
+    """Position at an arc length, as `touchdown_along` counts it, from the element of index k on,
+    which begins at arc."""
+    while where < arc and k > 0 and adjacent(I, int(elements[k - 1]), int(elements[k])):
+        k -= 1
+        arc -= edge_of(I, M, int(elements[k])).length
+    node = int(elements[k])
+    h = edge_of(I, M, node).length
+    while where > arc + h and k + 1 < len(elements) and adjacent(I, node, int(elements[k + 1])):
+        arc += h
+        k += 1
+        node = int(elements[k])
+        h = edge_of(I, M, node).length
+    x = min(1.0, max(0.0, (where - arc) / h))
+    if against_tree(I, M, node, turned):
+        x = 1.0 - x
+    hermite_point(I, M, node, x, place)
+
+
+@kernel
+def is_anchored(I, M, node):
+    """Whether an anchor holds a node."""
+    for n in range(header(I).constraint_count):
+        row = constraint_of(I, M, n)
+        if row.node == node and row.kind == HELD_BY_ANCHOR:
+            return True
+    return False
+
+
+@kernel
+def near_node(I, M, node, turned):
+    """The node of an element from which it is looked at."""
+    if against_tree(I, M, node, turned):
+        return node
+    return I[header(I).parent + node]
+
+
+@kernel
+def lies_at_first(I, M, node, turned):
+    """Whether cable lies where an element is looked at from."""
+    return gap_along(I, M, node, turned, 0.0, vector(), vector()) < lying_gap(I, M, node)
+
+
+@kernel
+def touchdown_of_line(I, M, elements, touchdown):
+    """The touchdown of a line of a system, as `touchdown_along` gives it, of a line from its
+    beginning on. elements are those of the line; their order changes.
+
+    It is looked at from its beginning, or from its end where only the beginning is an anchor or
+    lies. What begins on the floor and rises from it comes down again in both directions; what
+    comes down from both ends lies between two touchdowns. The point is the first one.
+    """
+    count = len(elements)
+    last = count - 1
+    first = int(elements[0])
+    low = is_anchored(I, M, near_node(I, M, first, False)) or lies_at_first(I, M, first, False)
+    first = int(elements[last])
+    low_end = is_anchored(I, M, near_node(I, M, first, True)) or lies_at_first(I, M, first, True)
+    turned = low and not low_end
+    if turned:
+        turn(elements)
+    place = vector()
+    normal = vector()
+    if lies_at_first(I, M, int(elements[0]), turned):
+        for k in range(last):
+            gap = gap_along(I, M, int(elements[k]), turned, 1.0, place, normal)
+            if gap >= scalars(M).floor_depth:
+                near = view(elements, 0, k + 1)
+                turn(near)
+                lying, reaction = touchdown_along(I, M, near, not turned, touchdown)
+                far = view(elements, k + 1, last - k)
+                more, _reaction = touchdown_along(I, M, far, turned, place)
+                return lying + more, reaction
+    elif not lies_at_first(I, M, int(elements[last]), not turned):
+        one, _start = find_touchdown(I, M, elements, turned)
+        turn(elements)
+        other, _start = find_touchdown(I, M, elements, not turned)
+        other = last - other
+        turn(elements)
+        if 0 <= one < other <= last:
+            half = (one + other) // 2
+            near = view(elements, 0, half + 1)
+            lying, reaction = touchdown_along(I, M, near, turned, touchdown)
+            far = view(elements, half + 1, last - half)
+            turn(far)
+            more, _reaction = touchdown_along(I, M, far, not turned, place)
+            return lying + more, reaction
+    return touchdown_along(I, M, elements, turned, touchdown)
+
+
+@kernel
+def touches_line(I, elements, node):
+    """Whether a node is at an end of one of a line's elements."""
+    for k in range(len(elements)):
+        element = int(elements[k])
+        if element == node or I[header(I).parent + element] == node:
+            return True
+    return False
+
+
+@kernel
+def floor_force(I, M, elements, out):
+    """The floor's force (3) [N] on elements of a line and on bodies at them, in the block's
+    coordinates, at the present state."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    contact = contact_of()
+    normal = contact.normal
+    q = M[head.position : head.position + size * head.nodes]
+    v = M[head.velocity : head.velocity + size * head.nodes]
+    depth = scalars(M).floor_depth
+    for i in range(3):
+        out[i] = 0.0
+    for k in range(len(elements)):
+        node = int(elements[k])
+        if lowest_gap(I, M, q, node) >= depth:
+            continue
+        edge = edge_of(I, M, node)
+        parent = I[head.parent + node]
+        h = edge.length
+        load = edge.contact * edge.support
         for p in range(4):
             press, gap, _speed = contact_force(
                 I, M, q, v, parent, node, h, p, load, contact, dimension
@@ -211,57 +446,14 @@ def floor_summary(I, M, force_on_all, touchdown):
                 continue
             weight = h * CONTACT_WEIGHTS[p]
             for i in range(dimension):
-                force_on_all[i] += weight * (press * normal[i] + contact.along[i])
-            there = arc + h * CONTACT_POINTS[p]
-            if within:
-                interpolate(a, parent, node, h, p, acceleration, dimension)
-                for i in range(dimension):
-                    press -= inertia * normal[i] * acceleration[i]
-                force += weight * press
-                moment += weight * press * there
-        arc += h
-        if reached and within and (arc > first or node + 1 == nodes):
-            about_end = force * arc - moment
-            square += force * force - 2.0 * weight_there * about_end
-            before += arc - force / max(weight_there, 1e-300)
-            ends += 1
-    if touched == 0:
-        for i in range(3):
-            touchdown[i] = math.nan
-    elif ends > 0:
-        reaction = math.sqrt(max(0.0, square / ends))
-        where = before / ends + reaction / max(weight_there, 1e-300)
-        if abs(where - geometric) < last - geometric:
-            # Forward or back from where the cable is as near the floor as it lies.
-            lying += geometric - where
-            go_along(I, M, touched, where, touchdown)
+                out[i] += weight * (press * normal[i] + contact.along[i])
     for place in range(contact_places(I)):
         node, load, preload = contact_place(I, M, place)
-        if load <= 0.0:
+        if load <= 0.0 or (head.parts != 0 and not touches_line(I, elements, node)):
             continue
         press, _gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
         for i in range(dimension):
-            force_on_all[i] += press * normal[i] + contact.along[i]
-    return lying, reaction
-
-
-@kernel
-def go_along(I, M, node, where, place):
-    """Position at an arc length, as `floor_summary` counts it, from an element on."""
-    head = header(I)
-    arc = 0.0
-    for n in range(1, node):
-        if I[head.joint + n] == 0:
-            arc += edge_of(I, M, n).length
-    while where < arc and node > 1 and I[head.joint + node - 1] == 0:
-        node -= 1
-        arc -= edge_of(I, M, node).length
-    h = edge_of(I, M, node).length
-    while where > arc + h and node + 1 < head.nodes and I[head.joint + node + 1] == 0:
-        arc += h
-        node += 1
-        h = edge_of(I, M, node).length
-    hermite_point(I, M, node, min(1.0, max(0.0, (where - arc) / h)), place)
+            out[i] += press * normal[i] + contact.along[i]
 
 
 @kernel

@@ -1,5 +1,7 @@
 """Systems of parts: what the caller drives, and what is read of bodies, frames and lines' ends."""
 
+import math
+
 from cablemodel.solvers.finite_element.kernels.bodies.frames import drive_frame
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import (
     deflect_foils,
@@ -13,7 +15,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.rotation import (
 )
 from cablemodel.solvers.finite_element.kernels.element.tension_along import tension_range
 from cablemodel.solvers.finite_element.kernels.outputs.stations import station_in_element
-from cablemodel.solvers.finite_element.kernels.outputs.summary import end_forces
+from cablemodel.solvers.finite_element.kernels.outputs.summary import end_forces, read_floor
 from cablemodel.solvers.shared.access import (
     constraint_of,
     cut_of,
@@ -26,6 +28,7 @@ from cablemodel.solvers.shared.access import (
     part_motion_at,
     scalars,
     station_at,
+    summary_at,
     vector,
 )
 from cablemodel.solvers.shared.compile import kernel, view
@@ -38,6 +41,7 @@ from cablemodel.solvers.shared.layout import (
     STATION_WORDS,
     PartMotion,
 )
+from cablemodel.solvers.shared.summary import clear_floor
 
 WRENCH = PartMotion.wrench.word
 
@@ -73,6 +77,15 @@ def tension_ranges(I, M, elements, out):
     end_forces(I, M)
     for n in range(len(elements)):
         out[2 * n], out[2 * n + 1] = tension_range(I, M, int(elements[n]))
+
+
+@kernel
+def floor_of_line(I, M, elements, out):
+    """What the floor does to a line: see entry.floor_of_line."""
+    found = summary_at(out, 0)
+    clear_floor(found, math.nan)
+    if header(I).floor_kind != 0:
+        read_floor(I, M, elements, found)
 
 
 @kernel

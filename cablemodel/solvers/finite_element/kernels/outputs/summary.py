@@ -5,7 +5,11 @@ import math
 from cablemodel.solvers.finite_element.kernels.bodies.rotation import cross
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import add_clamp_moment
 from cablemodel.solvers.finite_element.kernels.element.tension_along import tension_range
-from cablemodel.solvers.finite_element.kernels.floor.floor_outputs import floor_summary
+from cablemodel.solvers.finite_element.kernels.floor.floor_outputs import (
+    floor_force,
+    touchdown_along,
+    touchdown_of_line,
+)
 from cablemodel.solvers.finite_element.kernels.line.system import residual, set_time
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import overhang
 from cablemodel.solvers.shared.access import (
@@ -149,6 +153,22 @@ def line_length(I, M):
 
 
 @kernel
+def read_floor(I, M, elements, found):
+    """What a Summary says of the floor, of the line with these elements from its beginning on,
+    whose order changes."""
+    force = vector()
+    touchdown = vector()
+    floor_force(I, M, elements, force)
+    if header(I).parts == 0:
+        lying, reaction = touchdown_along(I, M, elements, False, touchdown)
+    else:
+        lying, reaction = touchdown_of_line(I, M, elements, touchdown)
+    found.floor_length, found.touchdown_reaction = lying, reaction
+    to_earth(I, M, force, found.floor_force)
+    place_on_earth(I, M, touchdown, found.touchdown_position)
+
+
+@kernel
 def summarise(I, M, out):
     """Numbers of the present state that logs and co-simulation ask for at every step: a Summary."""
     head = header(I)
@@ -191,9 +211,11 @@ def summarise(I, M, out):
     found.drum_length = winch.paid_most - winch.paid
     clear_floor(found, 0.0)
     if head.floor_kind != 0:
-        force = vector()
-        touchdown = vector()
-        found.floor_length, found.touchdown_reaction = floor_summary(I, M, force, touchdown)
-        to_earth(I, M, force, found.floor_force)
-        place_on_earth(I, M, touchdown, found.touchdown_position)
+        elements = view(M, head.increment, nodes)
+        count = 0
+        for node in range(1, nodes):
+            if I[head.joint + node] == 0:
+                elements[count] = node
+                count += 1
+        read_floor(I, M, view(elements, 0, count), found)
     read_slack(I, M, found)
