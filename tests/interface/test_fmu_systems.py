@@ -21,7 +21,7 @@ from cablemodel.cli.app import app
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems import SystemModel
-from cablemodel.variables import outputs_of
+from cablemodel.variables import LINE_FLOOR, outputs_of
 from cablemodel_fmu.export import ExportError, contents_of, export_fmu
 from cablemodel_fmu.export import Options as ExportOptions
 
@@ -760,4 +760,43 @@ def test_how_long_lines_have_been_slack(tmp_path: Path) -> None:
             assert_same_bits(slave, model)
         assert model.lines["down"].slack.time > 0.1
         assert model.lines["up"].slack.time == 0.0
+        slave.close()
+
+
+@pytest.mark.parametrize("from_anchor", [False, True])
+def test_what_lines_do_on_the_floor_is_the_same_in_both(from_anchor: bool, tmp_path: Path) -> None:
+    """In both directions of a line, while its ship moves, and after it has been cut; of a line
+    that touches nowhere."""
+    ends = [{"anchor": [70, 0, -20]}, "ship.hook"]
+    one, other = ends if from_anchor else ends[::-1]
+    scene = still(
+        environment={"floor": {"z": -20, "friction": 0.4}},
+        bodies={},
+        lines={
+            "leg": {"from": one, "to": other, "items": [wire(80)]},
+            "tail": {"from": "ship.hook", "to": "free", "items": [wire(10)]},
+        },
+        cuts={"knife": {"line": "leg", "at": 62.0 if from_anchor else 18.0}},
+    )
+    names = [row.fmu for row in LINE_FLOOR]
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        slave, model = Slave(place, description), SystemModel(scene)
+        known = {v.name.partition("[")[0] for v in description.modelVariables}
+        for line in ("leg", "tail"):
+            assert known.issuperset(n.replace("NAME", line).partition("[")[0] for n in names)
+        assert_same_bits(slave, model)
+        lay = slave.get("leg.floor.length")
+        assert 20.0 < lay < 60.0
+        for k in range(6):
+            slave.set("ship.velocity_input", [0.5, 0.1, 0.0])
+            slave.set("knife.cut", 1.0 * (k == 3))
+            slave.step(0.5)
+            model.step(0.5, vessels={"ship": cm.VesselInput(velocity=[0.5, 0.1, 0.0])},
+                       cuts=["knife"] * (k == 3))  # fmt: skip
+            assert_same_bits(slave, model)
+        assert model.cuts["knife"] == 1.5
+        assert slave.get("leg.floor.length") > lay
+        assert slave.get("leg.touchdown.position[3]") == pytest.approx(-20.0, abs=0.05)
+        assert math.isnan(slave.get("tail.touchdown.position[1]"))
+        assert slave.get("tail.floor.length") == 0.0
         slave.close()

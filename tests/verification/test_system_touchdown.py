@@ -1,4 +1,4 @@
-"""What lines of a system do on the sea floor: as one line, and as catenaries of which a part lies."""
+"""What lines of a system do on the sea floor: as one line, and as catenaries that lie in part."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import cablemodel as cm
 from cablemodel.systems import SystemModel
@@ -52,26 +51,53 @@ def single(tolerance: float, friction: float, **vessel: Any) -> cm.CableModel:
     return cm.CableModel(cm.load_scene({**scene, "vessel": {"position": [0, 0, RISE], **vessel}}))
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.5])
 @pytest.mark.parametrize("from_anchor", [False, True])
-def test_a_leg_lies_as_one_line_does(from_anchor: bool, friction: float) -> None:
+def test_a_leg_lies_as_one_line_does(from_anchor: bool) -> None:
     """At rest, and while the ship moves: in both directions of the line."""
     motion = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 5, "velocity": [1, 0.5, 0]}]
-    one = single(1e-4, friction, velocity=motion)
-    model = SystemModel(mooring(from_anchor, friction=friction, velocity=motion))
-    worth = 1e-4 * LENGTH
+    one = single(1e-4, 0.0, velocity=motion)
+    model = SystemModel(mooring(from_anchor, velocity=motion))
     for time in (0.0, 4.0, 8.0):
         if time:
             one.step_to(time)
             model.step_to(time)
-        found = model.lines["leg"].on_floor
-        within = math.sqrt(2.0 * worth * one.tension_max / WEIGHT)  # on which a layer of it is
-        assert found.floor_length == pytest.approx(one.floor_length, abs=0.05 * within)
-        assert found.touchdown_position == pytest.approx(one.touchdown_position, abs=0.05 * within)
-        assert found.floor_force == pytest.approx(one.floor_force, abs=1e-3 * one.tension_max)
-        assert found.touchdown_reaction == pytest.approx(
-            one.touchdown_reaction, abs=1e-3 * one.tension_max
-        )
+        found, pull = model.lines["leg"].on_floor, one.tension_max
+        way = 0.05 * math.sqrt(2.0 * 1e-4 * LENGTH * pull / WEIGHT)  # of a touchdown layer
+        assert found.floor_length == pytest.approx(one.floor_length, abs=way)
+        assert found.touchdown_position == pytest.approx(one.touchdown_position, abs=way)
+        # Both are promised to 10 tau of the largest tension.
+        assert found.floor_force == pytest.approx(one.floor_force, abs=2e-3 * pull)
+        assert found.touchdown_reaction == pytest.approx(one.touchdown_reaction, abs=2e-3 * pull)
+
+
+def test_forces_on_a_leg_balance_at_rest() -> None:
+    """Moved over a rough floor and at rest again: the floor's force, and those at both ends,
+    which friction makes unequal, bear the weight."""
+    motion = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 4, "velocity": [0.5, 0.5, 0]},
+              {"t": 8, "velocity": [0, 0, 0]}]  # fmt: skip
+    model = SystemModel(mooring(True, friction=0.5, velocity=motion))
+    model.step_to(300.0)
+    leg, found = model.lines["leg"], model.lines["leg"].on_floor
+    ends = leg.sample([0.0, LENGTH])
+    pulls = ends.tension[:, None] * ends.tangent
+    left = found.floor_force + pulls[1] - pulls[0] - [0.0, 0.0, WEIGHT * LENGTH]
+    assert left == pytest.approx(np.zeros(3), abs=1e-3 * leg.end_tension)
+    assert np.hypot(*found.floor_force[:2]) > 0.02 * leg.end_tension
+
+
+@pytest.mark.parametrize("from_anchor", [False, True])
+def test_what_is_stiff_rests_on_its_touchdown(from_anchor: bool) -> None:
+    """EI k'' - H k = -w with k = 0 at the touchdown: its shear there is w sqrt(EI / H)."""
+    stiffness = 7.4e7
+    scene = mooring(from_anchor)
+    scene["cable_types"]["chain"]["bending_stiffness"] = stiffness
+    scene["lines"]["leg"]["items"][0]["cable"]["model"] = "elastica"
+    leg = SystemModel(scene).lines["leg"]
+    found, pull = leg.on_floor, min(leg.start_tension, leg.end_tension)
+    expected = WEIGHT * math.sqrt(stiffness / pull)
+    assert found.touchdown_reaction == pytest.approx(expected, rel=0.02)
+    bears = WEIGHT * found.floor_length + found.touchdown_reaction
+    assert found.floor_force[2] == pytest.approx(bears, rel=1e-3)
 
 
 @pytest.mark.parametrize("from_anchor", [False, True])
@@ -106,29 +132,22 @@ def hung(half: float, height: float) -> dict[str, Any]:
 
 
 def test_what_lies_between_two_ships_has_a_touchdown_at_both_ends() -> None:
-    """Two half catenaries, and between them what lies: the point is that nearest to its
-    beginning."""
+    """Two moorings that meet in the middle: the point is that nearest to its beginning."""
     half, height = 270.0, 100.0
 
-    def hangs(h: float) -> float:  # of one side
-        return math.sqrt(height * (height + 2.0 * h / WEIGHT))
-
-    def reach(h: float) -> float:
-        across = h / WEIGHT * math.asinh(hangs(h) * WEIGHT / h)
-        return across + (300.0 - hangs(h)) - half
-
-    h = brentq(reach, 1e3, 1e6)
+    exact = moored_catenary(half, height, 300.0, WEIGHT, STIFFNESS, 0.0)
     found = SystemModel(hung(half, height)).lines["leg"].on_floor
-    layer = math.sqrt(2.0 * 1e-4 * 600.0 * h / WEIGHT)
-    assert found.floor_length == pytest.approx(600.0 - 2.0 * hangs(h), abs=0.2 * layer)
-    assert found.touchdown_position == pytest.approx([300.0 - hangs(h), 0, 0], abs=0.2 * layer)
-    assert found.floor_force[2] == pytest.approx(WEIGHT * (600.0 - 2.0 * hangs(h)), rel=2e-3)
+    layer = math.sqrt(2.0 * 1e-4 * 600.0 * exact.horizontal / WEIGHT)
+    assert found.floor_length == pytest.approx(2.0 * exact.laid, abs=0.05 * layer)
+    foot = exact.position(np.array([exact.laid]))[0, 0]  # from the middle
+    assert found.touchdown_position == pytest.approx([foot, 0, 0], abs=0.05 * layer)
+    assert found.floor_force[2] == pytest.approx(WEIGHT * 2.0 * exact.laid, rel=1e-3)
 
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_line_that_rises_between_two_anchors(turned: bool) -> None:
-    """A buoy lifts its middle: what lies does so on both sides, by vertical balance, and the first
-    touchdown is that on the side of its beginning."""
+    """A buoy lifts its middle: what lies does so on both sides, by vertical balance with a reaction
+    at each end of it, and the first touchdown is that on the side of its beginning."""
     anchors = [{"anchor": [-150.0, 0, 0]}, {"anchor": [150.0, 0, 0]}]
     one, other = anchors[::-1] if turned else anchors
     lift = 60e3
@@ -136,13 +155,41 @@ def test_a_line_that_rises_between_two_anchors(turned: bool) -> None:
     items = [chain(170.0), {"body": buoy}, chain(170.0)]
     model = SystemModel(system(lines={"arch": {"from": one, "to": other, "items": items}}))
     found = model.lines["arch"].on_floor
-    lies = 340.0 - lift / WEIGHT
-    assert found.floor_length == pytest.approx(lies, abs=1.0)
+    bears = 340.0 * WEIGHT - lift
+    assert found.floor_force == pytest.approx([0.0, 0.0, bears], rel=1e-4, abs=1.0)
+    lies = (bears - 2.0 * found.touchdown_reaction) / WEIGHT
+    assert found.floor_length == pytest.approx(lies, rel=1e-4)
     side = 1.0 if turned else -1.0
-    assert found.touchdown_position == pytest.approx(
-        [side * (150.0 - 0.5 * lies), 0.0, 0.0], abs=1.0
+    place = [side * (150.0 - 0.5 * lies), 0.0, 0.0]
+    assert found.touchdown_position == pytest.approx(place, abs=0.01)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 2e4])
+def test_a_line_that_is_lifted_by_a_branch(stiffness: float) -> None:
+    """Its ends are free: it is looked at from the middle, where the tree of nodes begins."""
+    rope = {"diameter": 0.03, "mass": 0.7, "submerged_weight": 0.5, "axial_stiffness": 1e7}
+    scene = system(
+        1e-3,
+        0.5,
+        vessels={"ship": {"points": {"eye": [0, 0, 20.0]}}},
+        lines={
+            "low": {"from": "free", "to": "free", "items": [chain(60.0)]},
+            "rope": {
+                "from": "ship.eye",
+                "to": {"line": "low", "at": 30.0},
+                "items": [{"cable": {"type": "rope", "length": 15.0}}],
+            },
+        },
     )
-    assert found.floor_force[2] == pytest.approx(WEIGHT * 340.0 - lift, rel=2e-3)
+    scene["cable_types"] = {"rope": rope, "chain": {**CHAIN, "bending_stiffness": stiffness}}
+    lines = SystemModel(scene).lines
+    found = lines["low"].on_floor
+    bears = 60.0 * WEIGHT - lines["rope"].end_tension
+    assert found.floor_force == pytest.approx([0.0, 0.0, bears], rel=1e-3, abs=1.0)
+    lies = (bears - 2.0 * found.touchdown_reaction) / WEIGHT
+    assert found.floor_length == pytest.approx(lies, rel=1e-3)
+    assert 20.0 < lies < 55.0
+    assert lines["rope"].on_floor.floor_length == 0.0
 
 
 def test_a_line_that_touches_nowhere() -> None:

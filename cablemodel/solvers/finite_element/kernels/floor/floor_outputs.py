@@ -87,7 +87,7 @@ def adjacent(I, one, other):
 
 @kernel
 def hangs_on(I, node, before):
-    """Whether an element hangs in the tree on the one before it, with joints of the line between."""
+    """Whether an element hangs in the tree on the one before it, with or without joints between."""
     head = header(I)
     at = I[head.parent + node]
     while I[head.joint + at] == JOINT_HINGE or I[head.joint + at] == JOINT_BODY:
@@ -122,7 +122,7 @@ def turn(elements):
 
 @kernel
 def first_below(I, M, node, turned, depth):
-    """Fraction of an element, from where it is looked at, where its gap first is less; 2: nowhere."""
+    """Fraction of an element, from where it is looked at, where its gap first is less; 2: none."""
     place = vector()
     normal = vector()
     before = 0.0
@@ -309,9 +309,14 @@ def touchdown_along(I, M, elements, turned, touchdown):
         reaction = math.sqrt(max(0.0, square / ends))
         where = before / ends + reaction / max(weight_there, 1e-300)
         if abs(where - geometric) < last - geometric:
-            # Forward or back from where the cable is as near the floor as it lies.
-            lying += geometric - where
-            go_along(I, M, elements, turned, touched, arc_touched, where, touchdown)
+            # Forward or back from where the cable is as near the floor as it lies; not to where
+            # it is clear of the floor: what folds there is in no balance.
+            place = vector()
+            go_along(I, M, elements, turned, touched, arc_touched, where, place)
+            if gap_at(I, M, place, normal) < depth:
+                lying += geometric - where
+                for i in range(dimension):
+                    touchdown[i] = place[i]
     return lying, reaction
 
 
