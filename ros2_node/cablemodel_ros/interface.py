@@ -189,6 +189,7 @@ def document_of_systems() -> str:
         ("body", variables.BODY_OUTPUTS),
         ("vessel", variables.VESSEL_OUTPUTS),
         ("cut", variables.CUT_OUTPUTS),
+        ("line, floor", variables.LINE_FLOOR),
         ("line, with `solver.error_estimate`", variables.LINE_ERRORS),
         ("body, with it", variables.BODY_ERRORS),
     ):
