@@ -85,6 +85,43 @@ def test_forces_on_a_leg_balance_at_rest() -> None:
     assert np.hypot(*found.floor_force[:2]) > 0.02 * leg.end_tension
 
 
+@pytest.mark.parametrize("at", ["start", "end"])
+def test_what_a_winch_pays_out_comes_to_lie(at: str) -> None:
+    """At rest again, after 4 m of pay-out: forces balance, and as much more lies as the catenary
+    of the pull at the ship says, whose touchdown is where it begins to hang."""
+    ends = [{"anchor": [60.0, 0, -20.0]}, "ship.eye"]
+    one, other = ends[::-1] if at == "start" else ends
+    rate = [
+        {"t": 0, "rate": 0},
+        {"t": 2, "rate": 0.2},
+        {"t": 20, "rate": 0.2},
+        {"t": 22, "rate": 0},
+    ]
+    scene = system(
+        1e-3,
+        0.3,
+        vessels={"ship": {"points": {"eye": [0, 0, 0]}}},
+        lines={"leg": {"from": one, "to": other, "items": [chain(70.0)]}},
+        winches={"winch": {"line": "leg", "at": at, "drum": 50.0, "rate": rate}},
+    )
+    scene["environment"]["floor"]["z"] = -20.0
+    model = SystemModel(scene)
+    leg = model.lines["leg"]
+    lay = leg.on_floor.floor_length
+    model.step_to(90.0)
+    found, ends = leg.on_floor, leg.sample([0.0, leg.length])
+    pulls = ends.tension[:, None] * ends.tangent
+    top = leg.start_tension if at == "start" else leg.end_tension
+    left = found.floor_force + pulls[1] - pulls[0] - [0.0, 0.0, WEIGHT * leg.length]
+    assert left == pytest.approx(np.zeros(3), abs=1e-3 * top)
+    # Of T = H + w h and s^2 = h (h + 2 H / w).
+    hangs = math.sqrt(20.0 * (2.0 * top / WEIGHT - 20.0))
+    layer = math.sqrt(2.0 * 1e-3 * leg.length * (top / WEIGHT - 20.0))
+    assert leg.length == pytest.approx(74.0)
+    assert found.floor_length == pytest.approx(74.0 - hangs, abs=0.05 * layer)
+    assert found.floor_length > lay + 4.0
+
+
 @pytest.mark.parametrize("from_anchor", [False, True])
 def test_what_is_stiff_rests_on_its_touchdown(from_anchor: bool) -> None:
     """EI k'' - H k = -w with k = 0 at the touchdown: its shear there is w sqrt(EI / H)."""
@@ -237,7 +274,10 @@ def test_what_is_cut_off_comes_down(from_anchor: bool) -> None:
     model = SystemModel(scene)
     leg = model.lines["leg"]
     assert leg.on_floor.floor_length < 200.0
-    model.step_to(90.0)
+    for time in np.arange(1.0, 91.0):
+        model.step_to(float(time))
+        # Folds or not, the floor bears what it touches: the contact layer is 0.06 tau L.
+        assert leg.on_floor.touchdown_position[2] < 0.06 * 1e-3 * LENGTH
     found = leg.on_floor
     assert found.floor_length == pytest.approx(700.0, rel=0.01)
     assert found.floor_force[2] == pytest.approx(700.0 * WEIGHT, rel=0.01)
