@@ -91,7 +91,7 @@ typedef struct {
     double position[3], velocity[3], attitude[3];
 } VesselStart;
 enum { START_WORDS = sizeof(VesselStart) / 8 };
-typedef struct System System; /* system.c; NULL: a scene of one line */
+typedef struct System System; /* system.h; NULL: a scene of one line */
 enum { WRENCH_WORDS = 6 };
 /* An input of a vessel's motion; by: what moved that in the last step, 0: the scene; went_on: it drove
    the step before that, too. */
@@ -229,11 +229,13 @@ const char *ignored_part_input(Cable *cable, unsigned vr);
 const char *idle_winch(Cable *cable, int *inward);
 const char *first_jump_of_parts(Cable *cable, double dt);
 int64_t step_system(Cable *cable, double t_end, double dt);
-int same_parts(const Cable *cable, const Cable *finer);
 int64_t vessels_of(const Cable *cable);
+int motion_of(const Cable *cable, unsigned vr, MotionInput *found);
+
+/* system_outputs.c */
+int same_parts(const Cable *cable, const Cable *finer);
 int64_t wrench_of(const Cable *cable, unsigned vr);
 void read_wrenches(Cable *cable, int64_t *block, double *to);
-int motion_of(const Cable *cable, unsigned vr, MotionInput *found);
 void explain_in_system(const Cable *cable, const char *problem, const char *advice, char *message,
                        size_t size);
 
