@@ -118,7 +118,7 @@ def _say_if_drawn(block: Block, scene: Scene) -> None:
 
 
 def _strategies(scene: Scene) -> Iterator[Strategy]:
-    """All attempts for a scene; of points that take a steady motion, those from them last."""
+    """All strategies for a scene; of points that take a steady motion, those from them last."""
     if not scene.starts_steady:
         yield from strategies(scene)
         return

@@ -54,7 +54,7 @@ class Strategy:
 
 
 def described(strategy: Strategy) -> str:
-    """What an attempt does, in words."""
+    """What a strategy does, in words."""
     words = ["with friction that holds what was laid" if strategy.as_laid else "without friction"]
     words += ["by clamps and floors that are set bit by bit"] * strategy.patient
     words += ["from where the current draws it"] * strategy.swept
@@ -66,7 +66,7 @@ def described(strategy: Strategy) -> str:
 
 
 def strategies(scene: Scene) -> Iterator[Strategy]:
-    """All attempts for a scene, the plainest first."""
+    """All strategies for a scene, the plainest first."""
     laid = laid_start.applies(scene)
     if laid:
         yield Strategy(as_laid=True)
@@ -77,7 +77,7 @@ def strategies(scene: Scene) -> Iterator[Strategy]:
         return  # slack to an anchor has no single shape: it must not depend on where one begins
     swept = scene.environment.current is not None
     halved = any(cable.elements is None for cable in scene.cables)
-    lay = scene.rate_at_start > 0.0 and scene.end.kind == "free"  # its floor hardens in any attempt
+    lay = scene.rate_at_start > 0.0 and scene.end.kind == "free"  # its floor hardens in each
     if (scene.environment.floor is not None and not lay) or _is_clamped(scene):
         yield Strategy(patient=True)
     if swept:
