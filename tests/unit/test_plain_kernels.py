@@ -16,7 +16,7 @@ import json, sys
 if sys.argv[2] == "plain":
     import plain_kernels
 import cablemodel as cm
-model = cm.CableModel(cm.load_scene(sys.argv[1]))
+model = cm.CableModel(cm.load_scene(sys.argv[1], "solver.start_time_limit=600"))
 for _ in range(20):
     model.step(0.1)
 print(json.dumps([*model.tip_position, *model.tip_velocity, model.top_tension]))
