@@ -107,7 +107,7 @@ def _rebuild_step_error(problem: str, state: dict[str, Any]) -> StepError:
 
 
 @dataclass(frozen=True)
-class Strategy:
+class Attempt:
     """A run at one tolerance."""
 
     tolerance: float
@@ -123,7 +123,7 @@ class ConvergenceError(CableModelError):
     came to its end, None if none did.
     """
 
-    def __init__(self, accuracy: float, attempts: Sequence[Strategy], run: Any = None) -> None:
+    def __init__(self, accuracy: float, attempts: Sequence[Attempt], run: Any = None) -> None:
         super().__init__(accuracy, tuple(attempts), run)
         self.accuracy = accuracy
         self.attempts = tuple(attempts)

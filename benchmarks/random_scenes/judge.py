@@ -260,16 +260,16 @@ def settle(
     A run that stopped later stays one that stopped.
     """
     if len(finest.times) <= k:
-        deviation = "none: the run at tau/16 did not come so far"
+        finer = "none: the run at tau/16 did not come so far"
         agree = False
     else:
         scale = drawn.tolerance * fine.lengths[k]
         pull = tension_promise(drawn, fine)
         position = _deviation(fine, finest, k) / scale
         tension = abs(fine.top[k] - finest.top[k]) / pull
-        deviation = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
+        finer = f"tau/4 and tau/16 are {position:.2g} tau L, {tension:.2g} of 10 tau T apart"
         agree = position <= SETTLED and ("tension" not in verdict.kinds or tension <= SETTLED)
-    verdict.note = f"{verdict.note} {deviation}".strip()
+    verdict.note = f"{verdict.note} {finer}".strip()
     if not agree and set(verdict.kinds) <= {"position", "tension"}:
         verdict.outcome = "unsettled"
         if trace.end != "completed":

@@ -62,8 +62,8 @@ def promise(stored: Path) -> str:
     untold = [verdict for verdict in judged if verdict["outcome"] in ("kept", "missed")]
     missed = [verdict for verdict in untold if verdict["outcome"] == "missed"]
     of_systems = _rate(len(missed), len(untold))
-    deviation = sum(verdict["outcome"] == "unsettled" for verdict in judged)
-    words = f"a single run of a system, unwarned, where finer ones agree ({deviation} more do not)"
+    unsettled = sum(verdict["outcome"] == "unsettled" for verdict in judged)
+    words = f"a single run of a system, unwarned, where finer ones agree ({unsettled} more do not)"
     rows.append((words, *of_systems))
     sure = [verdict for verdict in untold if verdict["share"] <= 1.0]
     of_systems = _rate(sum(verdict["silent"] for verdict in sure), len(sure))

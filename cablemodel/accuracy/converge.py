@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cablemodel.errors import (
+    Attempt,
     CableModelError,
     ConvergenceError,
     LogInUseError,
     SceneError,
     StaticsError,
     StepError,
-    Strategy,
 )
 from cablemodel.results.promise import ErrorEstimate
 from cablemodel.results.run import Run, open_run
@@ -94,7 +94,7 @@ def converge(
         problem = f"{settings.method} has no tolerance to make finer"
         raise SceneError.at("solver.method", settings.method, problem, "finite_element")
     until = end_of(scene, until)
-    made: list[Strategy] = []
+    made: list[Attempt] = []
     failures: list[CableModelError] = []
     last: Run | None = None
     before: ErrorEstimate | None = None
@@ -126,7 +126,7 @@ def converge(
                 problem = "; ".join(estimate.problems(tried.solver)) or _growth(before, estimate)
         if run is not None and before is not None and not problem:
             return _at_its_place(run, log)
-        made.append(Strategy(tried.solver.tolerance, problem))
+        made.append(Attempt(tried.solver.tolerance, problem))
         before = None if problem else estimate
         if problem and k + 2 >= attempts:
             break  # nothing is left that could confirm another

@@ -202,11 +202,11 @@ const char *check_block(const int64_t *I, int64_t image_words, int64_t block_wor
         if (node < 0) continue; /* on the drum */
         /* Its clamps read the elements on both sides, but where the line ends with it, or where it
            passes the tow point. */
-        const int passing_body = head_passing == (double)(n + 1);
-        if (node < (passing_body ? 1 : 2) || (passing_body && node > 1) || joint[node] != JOINT_BODY ||
+        const int passing = head_passing == (double)(n + 1);
+        if (node < (passing ? 1 : 2) || (passing && node > 1) || joint[node] != JOINT_BODY ||
             parent[node] != node - 1 || (AS(Body, row)->tie == 0.0 && node + 1 >= nodes))
             return "a body of finite length is out of range";
-        if (!passing_body && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
+        if (!passing && (joint[node - 1] != JOINT_NONE || parent[node - 1] != node - 2))
             return "a body of finite length is out of range";
     }
     if (header(I)->rigid != rigid || !whole(head_passing, 0, header(I)->body_count))

@@ -16,9 +16,7 @@ from cablemodel.solvers.shared.layout import (
 )
 
 CLEAR = 2.0  # contact layers: what is higher has left the floor
-FLOOR_NEAR = (
-    2.0  # lengths of an element above the floor within which its length follows from its gap
-)
+FLOOR_NEAR = 2.0  # lengths of an element above the floor within which its gap asks for a length
 AWAY = 3.0  # and the gap beyond which it does no more: no change to and fro
 SOON = 2.0  # steps for which what comes down is near before it is
 

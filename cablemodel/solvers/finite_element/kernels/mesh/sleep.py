@@ -57,13 +57,8 @@ LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie a
 SLEEP_NEAR = 0.5  # of that way: hanging cable closer than this wakes
 MISSED = 0.02  # of tau L: motion of A that may be left out
 MISSED_TENSION = 10.0  # of tau times the largest tension: what is promised
-SLEEP_SPARE = (
-    0.1  # of the friction over the way before A: least change of tension that must be held
-)
-SLEEP_CALM, ROUGH = (
-    0.25,
-    0.5,
-)  # share of the friction that water may take of cable that falls asleep, or sleeps
+SLEEP_SPARE = 0.1  # of the friction over the way before A: least change of tension to be held
+SLEEP_CALM, ROUGH = 0.25, 0.5  # of the friction: what water may take of what falls asleep; sleeps
 FEWEST_AWAKE = 12  # elements
 LEAST_PART = 0.125  # of the nodes awake: fewer do not pay for a new matrix
 SLEEP_PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)

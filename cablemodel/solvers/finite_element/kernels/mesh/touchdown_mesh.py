@@ -46,19 +46,14 @@ from cablemodel.solvers.shared.layout import (
 
 TOUCHDOWN_AHEAD = 0.5  # growth of the wanted length per height above the floor
 TOUCHDOWN_TURN = 0.9  # largest angle that an element may turn at a touchdown
-CURVATURE_JUMP = (
-    0.2  # largest h times the jump of curvature near the floor: what folds must be resolved
-)
+CURVATURE_JUMP = 0.2  # largest, times h, near the floor: what folds must be resolved
 STRAIN = 2e-5  # largest change of length when elements are joined
 TOUCHDOWN_BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 TOUCHDOWN_STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SOON = 2.0  # steps for which what comes down is split at once
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
-TOUCHDOWN_FINEST, PUSHED = (
-    8.0,
-    32.0,
-)  # of tau L: what hardly bends and is shorter stays whole; under pressure
+TOUCHDOWN_FINEST, PUSHED = 8.0, 32.0  # of tau L: straighter and shorter stays whole; if pressed
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
 TOUCHDOWN_UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too

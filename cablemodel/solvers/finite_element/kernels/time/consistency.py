@@ -38,9 +38,7 @@ from cablemodel.solvers.shared.layout import HELD_BY_FRAME
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
-AFTER_A_VELOCITY_JUMP = (
-    4.0  # last steps: a step so much longer does not begin with that one's acceleration
-)
+AFTER_A_VELOCITY_JUMP = 4.0  # last steps: so much longer ones begin without its acceleration
 SEEN = 0.1  # of the local error: what that acceleration would move the line by
 JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected

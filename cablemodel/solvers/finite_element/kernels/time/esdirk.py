@@ -45,9 +45,7 @@ LARGEST_ITERATIONS = 10
 MORE_ITERATIONS = 16  # the same while points of elements begin or cease to bend aside
 LANDED = -1  # status of a step without the floor's forces that comes to where they act
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
-STAGE_AT_ONCE = (
-    0.02  # of the tolerance: what a stage's first iteration may leave, by the last ratio
-)
+STAGE_AT_ONCE = 0.02  # of the tolerance: what a first iteration may leave, by the last ratio
 STAGE_UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
 BEST_RATIO = 0.003  # that is believed for the next stage

@@ -47,10 +47,7 @@ NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
 LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, before shorter steps
 STATICS_CALM = 1e-10  # of the length: what the last two steps may move
-STATICS_ROUND_OFF = (
-    1e-8,
-    20,
-)  # of the length, where so many of the longest steps in a row move no more
+STATICS_ROUND_OFF = 1e-8, 20  # of the length, where so many longest steps in a row move no more
 UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
 
 

@@ -53,25 +53,17 @@ PROMISED = 0.5  # of the error of tension that is promised
 TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
 LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
-TENSION_FINEST = (
-    0.1  # step times the frequency of the line's axial motion: one that follows it for sure
-)
+TENSION_FINEST = 0.1  # step times the frequency of the axial motion: one that follows for sure
 TENSION_UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
 SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
 NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
 STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
-DIFFERENCE_STEP = (
-    1e-3  # periods of the line over which the stretch's second derivative is a difference
-)
-TENSION_NEARLY = (
-    0.5  # of the longest step whose tensions are not looked at: they say how long the next is
-)
+DIFFERENCE_STEP = 1e-3  # periods of the line: for the stretch's second derivative
+TENSION_NEARLY = 0.5  # of the longest step not looked at: its tensions say how long the next is
 TENSION_STAYS = 0.5  # error of a step after which the next one is as long
-TENSION_RIGID = (
-    1e-3  # compliance of the line over what its inertia gives way by in that matrix's step
-)
+TENSION_RIGID = 1e-3  # compliance of the line over what inertia gives way by in that step
 
 
 # What a step does along the line; in a system, where it is refused: that no other one than its
