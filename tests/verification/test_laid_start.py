@@ -1,9 +1,12 @@
 """Static starts of cable that friction holds where it was laid: on slopes, and across a current."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
 import cablemodel as cm
 from benchmarks.random_scenes.draw import draw
@@ -72,12 +75,9 @@ def test_a_lay_starts_in_a_cross_current() -> None:
         assert np.linalg.norm(model.tip_position - end) < TOLERANCE * LENGTH
 
 
-@pytest.mark.parametrize("stiffness", [0.02, 20.0, 200.0])
-@pytest.mark.parametrize("slope", [[0.0, 0.0], [0.01, -0.03]])
-def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> None:
-    """A lay with a little slack starts with no tension in what lies, at every tolerance; held where
-    it was put it pulled with up to a fortieth of the tension at the vessel."""
-    scene = cm.load_scene(
+def lay_across(slope: list[float], stiffness: float) -> cm.Scene:
+    """A lay at 2.5 m/s with a little slack in 1,000 m, a current across that fades downwards."""
+    return cm.load_scene(
         {
             "environment": {
                 "floor": {"z": -1000.0, "slope": slope, "friction": 0.7},
@@ -99,6 +99,72 @@ def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> N
             "payout": {"rate": 2.53, "drum": [{"cable": {"type": "c", "length": 1000.0}}]},
         }
     )  # fmt: skip
+
+
+def landing(scene: cm.Scene, slope: list[float]) -> tuple[np.ndarray, float]:
+    """Where a flexible cable of `lay_across` lands without tension (3,) [m], and the tension at the
+    vessel [N]: the force P = T t, integrated upwards along cable that stretches by T / EA."""
+    kind, water = scene.cable_types["c"], 1025.0
+
+    def load(along: np.ndarray, z: float) -> np.ndarray:
+        flow = np.array([-0.2, 0.4, 0.0]) + np.array([0.2, -0.35, 0.0]) * min(-z / 1000.0, 1.0)
+        flow -= scene.motion().evaluate(0.0)[1]
+        tangential = flow @ along * along
+        normal = flow - tangential
+        running = tangential + scene.rate_at_start * along
+        force = 0.5 * water * kind.diameter * kind.drag_normal * np.linalg.norm(normal) * normal
+        force += (
+            0.5 * water * math.pi * kind.diameter * kind.drag_tangential
+            * np.linalg.norm(running) * running
+        )  # fmt: skip
+        return force - [0.0, 0.0, kind.submerged_weight]
+
+    def over(bottom: float) -> tuple[np.ndarray, float]:
+        """From this height on, up to the vessel."""
+        # Where nothing pulls, the cable lies along what it has to bear.
+        y, z = fsolve(
+            lambda u: np.cross(_unit(1.0, *u), load(_unit(1.0, *u), bottom))[1:], [0, 0.2]
+        )
+        first = _unit(1.0, y, z)
+        found = solve_ivp(
+            lambda _s, state: [
+                *-load(_unit(*state[:3]), state[5]),
+                *((1.0 + np.linalg.norm(state[:3]) / 2e6) * _unit(*state[:3])),
+            ],
+            (0.0, 6000.0),
+            [*0.1 * first, 0.0, 0.0, bottom],
+            method="Radau",
+            rtol=1e-8,
+            atol=1e-8,
+            events=_at_the_surface,
+        )
+        state = found.y[:, -1]
+        return np.array([-state[3], -state[4], bottom]), float(np.linalg.norm(state[:3]))
+
+    place, tension = over(-1000.0)
+    for _ in range(6):  # on a slope it lands where the floor is
+        place, tension = over(-1000.0 + float(np.dot(slope, place[:2])))
+    return place, tension
+
+
+def _unit(*vector: float) -> np.ndarray:
+    return np.array(vector) / np.linalg.norm(vector)
+
+
+def _at_the_surface(_s: float, state: np.ndarray) -> float:
+    return float(state[5])
+
+
+_at_the_surface.terminal = True  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1.0, 20.0, 200.0])
+@pytest.mark.parametrize("slope", [[0.0, 0.0], [0.01, -0.03]])
+def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> None:
+    """A lay with a little slack starts with no tension in what lies, along the vessel's way behind
+    the place where it lands, at every tolerance."""
+    scene = lay_across(slope, stiffness)
+    lands, pull = landing(scene, slope)
     tensions = []
     for tolerance in (1e-3, 2e-4, 5e-5)[: 3 if stiffness > 1.0 else 2]:
         settings = scene.solver.model_copy(update={"tolerance": tolerance})
@@ -106,7 +172,21 @@ def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> N
         tensions.append(model.top_tension)
         lies = model.line_length - model.floor_length + np.linspace(20.0, 1000.0, 50)
         assert np.abs(model.sample(lies).tension).max() < 10.0 * tolerance * model.top_tension
-    assert max(tensions) - min(tensions) < TOLERANCE * min(tensions)
+        assert model.top_tension == pytest.approx(pull, rel=0.5 * TOLERANCE)
+        assert model.touchdown_position[1] == pytest.approx(lands[1], abs=TOLERANCE * 6000.0)
+        assert model.tip_position[1] == pytest.approx(lands[1], abs=TOLERANCE * 6000.0)
+    assert max(tensions) - min(tensions) < 0.2 * TOLERANCE * min(tensions)
+
+
+def test_thin_cable_lies_without_tension_too() -> None:
+    """It bends on to the floor within 20 cm, of 6 km."""
+    slope = [0.01, -0.03]
+    scene = lay_across(slope, 0.02)
+    pull = landing(scene, slope)[1]
+    for tolerance in (1e-3, 2e-4):
+        settings = scene.solver.model_copy(update={"tolerance": tolerance})
+        model = cm.CableModel(scene.model_copy(update={"solver": settings}))
+        assert model.top_tension == pytest.approx(pull, rel=TOLERANCE)
 
 
 def test_a_level_floor_in_still_water_starts_without_friction() -> None:

@@ -27,8 +27,6 @@ CONTINUATION_GROWTH = 1.5
 """Of a step on a way over easier equilibria, after one that was followed."""
 FEW_STEPS = 100
 """Of a relaxation on that way."""
-ONE_RELAXATION = 1999
-"""Steps that are fewer than a search has which begins anew where its first relaxation failed."""
 LEAST_MOMENTUM, MORE_MOMENTUM, CONTINUATION_SMALLEST_SHARE = 0.1, 0.3, 0.02
 """Of the mass of a lay's cable: what it has at first, by how much more it gets, and the smallest
 step of that where longer ones fail."""

@@ -182,11 +182,7 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
     if strategy.as_laid:
         hold = solve_in_few_steps if rate > 0.0 else solve
         if strategy.lets_go:
-            # From a state at rest: what the first relaxation does not find, the next ones do not.
-            once = partial(
-                continuation.in_few_steps, block, solve_at_once, continuation.ONE_RELAXATION
-            )
-            laid_start.let_go(block, scene, solve if strategy.intermediate else once, hold)
+            laid_start.let_go(block, scene, solve_in_few_steps)
             status = int(at.OK)
         else:
             status = laid_start.lie_still(block, scene, solve, hold, strategy.lies)

@@ -66,7 +66,8 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     total = line[-1].end
     plane = vertical_plane(scene, [])
     way, tension = _lying(scene, line, start, plane, drawn=drawn)
-    water = _Water(scene, start)
+    x, y = float(start[0]), float(start[1])
+    water = _Water(scene, start, floor.height(x, y))
 
     def above(arc: float) -> tuple[float, Shape]:
         """Height of the lower end of what hangs above the floor, and its shape from the top."""
@@ -78,7 +79,7 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         x, y, z = (float(value) for value in points[-1])
         return z - floor.height(x, y), shape
 
-    height = float(start[2]) - floor.height(float(start[0]), float(start[1]))
+    height = float(start[2]) - floor.height(x, y)
     straight_down = height > total - passed
     if straight_down and floor.z is not None and not any(floor.slope):
         return None  # nowhere does it come down further
@@ -91,15 +92,23 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         gap, shape = above(arc)
         return gap
 
-    lands = crossing(
-        over,
-        passed,
-        total,
-        at_low=height,
-        at_high=gap,
-        near=HANGING_NEAR * total,
-        width=NARROW * total,
-    )
+    def landing() -> float:
+        return crossing(
+            over,
+            passed,
+            total,
+            at_low=height,
+            at_high=gap,
+            near=HANGING_NEAR * total,
+            width=NARROW * total,
+        )
+
+    lands = landing()
+    if scene.environment.current is not None and (floor.z is None or any(floor.slope)):
+        water = _Water(scene, start, float(shape[0][-1, 2]))
+        gap = above(total)[0]
+        if gap <= 0.0:
+            lands = landing()
     points = shape[0]
     points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
     return Hanging(*shape, lands, total, way)
@@ -112,22 +121,24 @@ def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:
 
 
 class _Water:
-    """Velocity of the water past the line, over depth."""
+    """Velocity of the water past the line, over height above where it lands."""
 
-    def __init__(self, scene: Scene, start: FloatArray) -> None:
-        floor = scene.environment.floor
-        assert floor is not None
-        bottom = min(floor.height(float(start[0]), float(start[1])), float(start[2]))
-        z = np.linspace(bottom, float(start[2]), HANGING_STEPS + 1)
+    def __init__(self, scene: Scene, start: FloatArray, bottom: float) -> None:
+        """start: (3,), bottom: height of the place where it lands [m]."""
+        z = np.linspace(min(bottom, float(start[2])), float(start[2]), HANGING_STEPS + 1)
         past = laid_loads.water_velocity(scene, z) - scene.motion().evaluate(0.0)[1]
         self._rows = [tuple(row) for row in past.tolist()]
+        self._level = max(float(z[1] - z[0]), 1e-300)
         self.rate = scene.rate_at_start
         """Of the pay-out: the cable runs along its own shape [m/s]."""
 
-    def at(self, share: float) -> Triple:
-        """At a share of the height of the tow point above the floor [m/s]."""
-        row = self._rows[min(HANGING_STEPS, max(0, round(share * HANGING_STEPS)))]
-        return row[0], row[1], row[2]
+    def at(self, height: float) -> Triple:
+        """At a height above the place where it lands [m]: (3,) [m/s]."""
+        level = min(float(HANGING_STEPS), max(0.0, height / self._level))
+        row = min(int(level), HANGING_STEPS - 1)
+        low, high, part = self._rows[row], self._rows[row + 1], level - row
+        x, y, z = (a + part * (b - a) for a, b in zip(low, high, strict=True))
+        return x, y, z
 
 
 def _lying(
@@ -187,7 +198,8 @@ def _integrate(
     """The shape of what hangs, from its upper end: places relative to that (n, 3) [m], arc lengths
     (n,) [m], tensions (n,) [N].
 
-    Integrated from its lower end up; a line that is paid out stretches by its tension.
+    Integrated from its lower end up, by backward differences of two steps (one where the cable
+    changes); a line that is paid out stretches by its tension.
 
     first, last: arc lengths of its ends [m]; tension: of what lies beyond, along `way` [N].
     """
@@ -197,7 +209,8 @@ def _integrate(
     points = [p for p in line if p.start == p.end and first <= p.start < last]
     # The pull of the cable above on what is below it, to begin with by its own loads.
     pull = -tension * float(way[0]), -tension * float(way[1]), 0.0
-    ahead = 0.0, 0.0, 1.0
+    before, step = pull, 0.0
+    ahead = below = 0.0, 0.0, 1.0
     places = [(0.0, 0.0, 0.0)]
     sizes = [math.hypot(*pull)]
     x = y = z = 0.0
@@ -206,15 +219,28 @@ def _integrate(
         h = upper - lower
         middle = 0.5 * (upper + lower)
         piece = next((p for p in line if p.start <= middle < p.end), line[0])
-        flow = water.at((last - middle) / max(last - first, 1e-12))
         for body in points:
             if lower < body.start <= upper:
-                pull = _loaded(pull, body, 1.0, flow, ahead, water.rate)
-        ahead = _balanced(pull, piece, h, flow, ahead, water.rate)
-        pull = _loaded(pull, piece, h, flow, ahead, water.rate)
+                pull = _loaded(pull, body, 1.0, water.at(z), ahead, water.rate)
+                step = 0.0
+        if upper in knots:
+            step = 0.0
+        ratio = h / step if step > 0.0 else 0.0
+        weight = (1.0 + ratio) ** 2 / (1.0 + 2.0 * ratio)
+        known = tuple(weight * a + (1.0 - weight) * b for a, b in zip(pull, before, strict=True))
+        share = h * (1.0 + ratio) / (1.0 + 2.0 * ratio)
+        flow = water.at(z + h * ahead[2])
+        ahead = _balanced(known, piece, share, flow, ahead, water.rate)
+        before, step = pull, h
+        pull = _loaded(known, piece, share, flow, ahead, water.rate)
+        if ratio == 0.0:
+            below = ahead
         if water.rate > 0.0:
             h *= piece.stretch(math.hypot(*pull))
-        x, y, z = x + h * ahead[0], y + h * ahead[1], z + h * ahead[2]
+        x += 0.5 * h * (below[0] + ahead[0])
+        y += 0.5 * h * (below[1] + ahead[1])
+        z += 0.5 * h * (below[2] + ahead[2])
+        below = ahead
         places.append((x, y, z))
         sizes.append(math.hypot(*pull))
     shape = np.array(places)

@@ -12,7 +12,8 @@ motion instead.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -117,6 +118,11 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     return (most, own) if is_lay(scene) and own < most else None
 
 
+def _is_laid_back(scene: Scene) -> bool:
+    """Whether what lies does so along a line that the vessel has laid over a plane."""
+    return is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
+
+
 def outruns_its_foot(scene: Scene) -> bool:
     """Whether a lay's cable takes more momentum along than its tension, (m + m_a) V^2 > T, up to
     where it is higher above the floor than a layer in which what lies does not fold."""
@@ -131,8 +137,9 @@ def outruns_its_foot(scene: Scene) -> bool:
 def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance
-    is_one = is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
-    return _at_tolerance(scene, tolerance) if is_one and tolerance <= COARSEST else None
+    if tolerance > COARSEST or not _is_laid_back(scene):
+        return None
+    return _at_tolerance(scene, tolerance)
 
 
 def stiffer(scene: Scene, layer: float) -> Scene:
@@ -230,6 +237,38 @@ def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[]
 
     laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
     """
+    if not _is_laid_back(scene):
+        return _let_slide(block, scene, laid, solve)
+    with _level_across(block, scene, laid[-1]) as along:
+        return _let_slide(block, along, laid, solve)
+
+
+@contextmanager
+def _level_across(block: Block, scene: Scene, place: FloatArray) -> Iterator[Scene]:
+    """A lay whose floor, in block and scene, is level across the vessel's way.
+
+    Friction holds what lies on such a slope, and makes the floor's force vertical; in a touchdown
+    that has yet to be found it does so nearly, and a line without tension at its foot would run
+    down the slope by that: as far as tau L, and elsewhere on every mesh.
+    place: where both floors are as high, in the block, (dimension,).
+    """
+    floor = scene.environment.floor
+    assert floor is not None
+    state, velocity = block.scalars, scene.motion().evaluate(0.0)[1][:2]
+    x, y, _z = earth(block, place[None])[0].tolist()
+    slope = float(np.dot(floor.slope, velocity)) * velocity / float(velocity @ velocity)
+    level = {"z": floor.height(x, y), "slope": tuple(slope.tolist()), "at": (x, y)}
+    environment = scene.environment.model_copy(update={"floor": floor.model_copy(update=level)})
+    plane = state.floor_plane.copy()
+    state.floor_plane = (level["z"], *slope, x, y)
+    try:
+        yield scene.model_copy(update={"environment": environment})
+    finally:
+        state.floor_plane = plane
+
+
+def _let_slide(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
+    """Let what lies slide over this floor, as `_lay_freely`; a status."""
     state = block.scalars
     shape, drawn = _shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
@@ -261,7 +300,7 @@ def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[]
     return int(at.OK)
 
 
-def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[[], int]) -> None:
+def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
     """Take what a lay's line pulls with off what hangs; without an equilibrium nothing changes.
 
     What bends on to the floor is shorter than the line it lies on by millimetres. Held where it was
@@ -269,7 +308,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
     long bristles it pulls at nothing; short ones that are drawn by the same share hold the same.
 
     Args:
-        solve, hold: as for `lie_still`.
+        solve: equilibrium of the block as it is, a status.
     """
     if not _is_even(scene):
         return
@@ -291,7 +330,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], hold: Callable[
             block, scene, bears, None, False
         )
         drawn[:, : int(block.header.dimension)] -= bristle * drag
-        status = hold()
+        status = solve()
     if status != at.OK:
         block.image[:] = before
 
@@ -319,7 +358,8 @@ def _places_in(other: Block, block: Block) -> FloatArray:
 def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     """Where each node lies, or would if it landed: on the line of what lies now, unstretched.
 
-    Over a depth table what lies stays where it is; its line goes on towards the vessel.
+    A lay's runs from its far end, which nothing pulls aside, the way that the vessel goes. Over a
+    depth table what lies stays where it is; its line goes on towards the vessel.
     q: positions, (nodes, dimension) [m].
     """
     line = q.copy()
@@ -330,6 +370,11 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     even = _is_even(scene)
     ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
     way = ends[1] - ends[0]
+    runs_back = _is_laid_back(scene)
+    if runs_back:
+        velocity = scene.motion().evaluate(0.0)[1]
+        rise = float(np.dot(laid_loads.slopes(scene, 0.0, 0.0), velocity[:2]))
+        way = local(block, -np.array([*velocity[:2], rise]), point=False)
     way /= max(float(np.linalg.norm(way)), 1e-12)
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
     lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
@@ -340,7 +385,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     straight = np.outer(arcs - arcs[foot], way)
     line[:foot] = ends[0] + straight[:foot]
     if even:
-        line = ends[0] + straight
+        line = ends[1] + straight - straight[tail] if runs_back else ends[0] + straight
         line += float(np.mean((q - line)[lies] @ way)) * way
     return line
 
@@ -393,7 +438,7 @@ def _without_drag(block: Block, scene: Scene) -> Callable[[], None]:
     It turns with the cable, and cable that bristles so long hold would drift with it.
     """
     nodes = int(block.header.nodes)
-    lies = which_lie(block, scene)
+    lies = which_bear(block, scene)  # what comes down yet feels the vessel's motion
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     bodies = block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
     columns = [at.Edge.drag_normal.word, at.Edge.drag_tangential.word]
@@ -485,7 +530,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     parents = block.integers(Header.parent, nodes)
     joints = block.integers(Header.joint, nodes)
     normal, tangential, _own = _flow(block, scene)
-    lies = which_lie(block, scene)
+    lies = which_bear(block, scene)
     lying = _lying_elements(block, lies)
     bears, drags = np.zeros(nodes), np.zeros((nodes, dimension))
     for node in range(1, nodes):

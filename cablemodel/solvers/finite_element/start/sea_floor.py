@@ -29,9 +29,9 @@ BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
-tau times the height from which it hangs, and of that height: their sum. Folds of slack cable push
-back with some four times its weight. Without the second part they take more time than there is,
-and shallow lays do not start."""
+tau times the height from which it hangs, and of that height: the longer one. Folds of slack cable
+push back with some four times its weight. Without the second part they take more time than there
+is, and shallow lays do not start; and a finer tolerance would lay another cable."""
 FLOOR_LOWEST = 0.2
 """Of the line's length: least height that it is taken to hang from. Longer ones hang at less than
 12 degrees, or lie: with less their starts took up to 20 s."""
@@ -66,7 +66,7 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
     layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
-    layer = hanging_height(scene) * (SHARPEST[0] * scene.solver.tolerance + SHARPEST[1])
+    layer = hanging_height(scene) * max(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 
