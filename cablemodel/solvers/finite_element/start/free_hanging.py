@@ -137,8 +137,7 @@ class _Water:
         level = min(float(HANGING_STEPS), max(0.0, height / self._level))
         row = min(int(level), HANGING_STEPS - 1)
         low, high, part = self._rows[row], self._rows[row + 1], level - row
-        x, y, z = (a + part * (b - a) for a, b in zip(low, high, strict=True))
-        return x, y, z
+        return _between(low, high, part)
 
 
 def _lying(
@@ -227,7 +226,7 @@ def _integrate(
             step = 0.0
         ratio = h / step if step > 0.0 else 0.0
         weight = (1.0 + ratio) ** 2 / (1.0 + 2.0 * ratio)
-        known = tuple(weight * a + (1.0 - weight) * b for a, b in zip(pull, before, strict=True))
+        known = _between(before, pull, weight)
         share = h * (1.0 + ratio) / (1.0 + 2.0 * ratio)
         flow = water.at(z + h * ahead[2])
         ahead = _balanced(known, piece, share, flow, ahead, water.rate)
@@ -289,6 +288,12 @@ def _balanced(
 
 def _dot(a: Triple, b: Triple) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _between(a: Triple, b: Triple, share: float) -> Triple:
+    """At a share of the way from one vector to another."""
+    x, y, z = (p + share * (q - p) for p, q in zip(a, b, strict=True))
+    return x, y, z
 
 
 def _turned(ahead: Triple, aside: Triple, by: float) -> Triple:
