@@ -88,6 +88,7 @@ bench: $(READY_BENCH) native valgrind  ## measure run time against error (long)
 	$(BIN)/python -m benchmarks.systems
 	$(BIN)/python -m benchmarks.skips
 	$(BIN)/python -m benchmarks.starts
+	$(BIN)/python -m benchmarks.random_lays
 	$(BIN)/python -m benchmarks.profile
 	$(BIN)/python -m benchmarks.fmu
 

@@ -310,7 +310,7 @@ def test_slack_that_is_laid_of_cable_without_bending_is_warned_of() -> None:
     }
     words = [text for text in scene_warnings(cm.load_scene(data)) if "its folds push back" in text]
     assert len(words) == 1
-    assert "some 170 N" in words[0]
+    assert "some 120 N" in words[0]
     winch["rate"] = 3.087
     assert not scene_warnings(cm.load_scene(data))
     winch["rate"] = 3.18

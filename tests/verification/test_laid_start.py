@@ -1,14 +1,12 @@
 """Static starts of cable that friction holds where it was laid: on slopes, and across a current."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.optimize import fsolve
 
 import cablemodel as cm
+from benchmarks.random_lays import landing
 from benchmarks.random_scenes.draw import draw
 from cablemodel.solvers.estimating import PLACES
 
@@ -101,70 +99,13 @@ def lay_across(slope: list[float], stiffness: float) -> cm.Scene:
     )  # fmt: skip
 
 
-def landing(scene: cm.Scene, slope: list[float]) -> tuple[np.ndarray, float]:
-    """Where a flexible cable of `lay_across` lands without tension (3,) [m], and the tension at the
-    vessel [N]: the force P = T t, integrated upwards along cable that stretches by T / EA."""
-    kind, water = scene.cable_types["c"], 1025.0
-
-    def load(along: np.ndarray, z: float) -> np.ndarray:
-        flow = np.array([-0.2, 0.4, 0.0]) + np.array([0.2, -0.35, 0.0]) * min(-z / 1000.0, 1.0)
-        flow -= scene.motion().evaluate(0.0)[1]
-        tangential = flow @ along * along
-        normal = flow - tangential
-        running = tangential + scene.rate_at_start * along
-        force = 0.5 * water * kind.diameter * kind.drag_normal * np.linalg.norm(normal) * normal
-        force += (
-            0.5 * water * math.pi * kind.diameter * kind.drag_tangential
-            * np.linalg.norm(running) * running
-        )  # fmt: skip
-        return force - [0.0, 0.0, kind.submerged_weight]
-
-    def over(bottom: float) -> tuple[np.ndarray, float]:
-        """From this height on, up to the vessel."""
-        # Where nothing pulls, the cable lies along what it has to bear.
-        y, z = fsolve(
-            lambda u: np.cross(_unit(1.0, *u), load(_unit(1.0, *u), bottom))[1:], [0, 0.2]
-        )
-        first = _unit(1.0, y, z)
-        found = solve_ivp(
-            lambda _s, state: [
-                *-load(_unit(*state[:3]), state[5]),
-                *((1.0 + np.linalg.norm(state[:3]) / 2e6) * _unit(*state[:3])),
-            ],
-            (0.0, 6000.0),
-            [*0.1 * first, 0.0, 0.0, bottom],
-            method="Radau",
-            rtol=1e-8,
-            atol=1e-8,
-            events=_at_the_surface,
-        )
-        state = found.y[:, -1]
-        return np.array([-state[3], -state[4], bottom]), float(np.linalg.norm(state[:3]))
-
-    place, tension = over(-1000.0)
-    for _ in range(6):  # on a slope it lands where the floor is
-        place, tension = over(-1000.0 + float(np.dot(slope, place[:2])))
-    return place, tension
-
-
-def _unit(*vector: float) -> np.ndarray:
-    return np.array(vector) / np.linalg.norm(vector)
-
-
-def _at_the_surface(_s: float, state: np.ndarray) -> float:
-    return float(state[5])
-
-
-_at_the_surface.terminal = True  # type: ignore[attr-defined]
-
-
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 20.0, 200.0])
 @pytest.mark.parametrize("slope", [[0.0, 0.0], [0.01, -0.03]])
 def test_a_laid_line_pulls_at_nothing(slope: list[float], stiffness: float) -> None:
     """A lay with a little slack starts with no tension in what lies, along the vessel's way behind
     the place where it lands, at every tolerance."""
     scene = lay_across(slope, stiffness)
-    lands, pull = landing(scene, slope)
+    lands, pull, _length = landing(scene)
     tensions = []
     for tolerance in (1e-3, 2e-4, 5e-5)[: 3 if stiffness > 1.0 else 2]:
         settings = scene.solver.model_copy(update={"tolerance": tolerance})
@@ -182,7 +123,7 @@ def test_thin_cable_lies_without_tension_too() -> None:
     """It bends on to the floor within 20 cm, of 6 km."""
     slope = [0.01, -0.03]
     scene = lay_across(slope, 0.02)
-    pull = landing(scene, slope)[1]
+    pull = landing(scene).tension
     for tolerance in (1e-3, 2e-4):
         settings = scene.solver.model_copy(update={"tolerance": tolerance})
         model = cm.CableModel(scene.model_copy(update={"solver": settings}))

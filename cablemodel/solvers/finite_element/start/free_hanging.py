@@ -34,6 +34,8 @@ HANGING_NEAR = 1e-9
 """Of the line's length: from the floor, where it has landed."""
 NARROW = 1e-7
 """Of the line's length: the piece that lands, where the drop of its end jumps (a body lands)."""
+ROUNDS = 12
+"""In which the depth is found at which it lands in a current on a slope, at most."""
 
 
 @dataclass(frozen=True)
@@ -66,35 +68,34 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
     total = line[-1].end
     plane = vertical_plane(scene, [])
     way, tension = _lying(scene, line, start, plane, drawn=drawn)
-    x, y = float(start[0]), float(start[1])
-    water = _Water(scene, start, floor.height(x, y))
-
-    def above(arc: float) -> tuple[float, Shape]:
-        """Height of the lower end of what hangs above the floor, and its shape from the top."""
-        shape = _integrate(line, water, passed, arc, tension * (total - arc), way)
-        points = shape[0]
-        if plane is not None:
-            points[:, :2] = np.outer(points[:, :2] @ plane, plane)
-        points += start
-        x, y, z = (float(value) for value in points[-1])
-        return z - floor.height(x, y), shape
-
-    height = float(start[2]) - floor.height(x, y)
+    bottom = floor.height(float(start[0]), float(start[1]))
+    sloped = floor.z is None or any(floor.slope)
+    height = float(start[2]) - bottom
     straight_down = height > total - passed
-    if straight_down and floor.z is not None and not any(floor.slope):
+    if straight_down and not sloped:
         return None  # nowhere does it come down further
-    gap, shape = above(total)
-    if gap > 0.0:
-        return None if straight_down else Hanging(*shape, total, total, way)
 
-    def over(arc: float) -> float:
-        nonlocal shape  # in the end that of the place that is found
-        gap, shape = above(arc)
-        return gap
+    def above(shape: Shape) -> float:
+        """Height of the lower end of what hangs above the floor [m]."""
+        x, y, z = (float(value) for value in shape[0][-1])
+        return z - floor.height(x, y)
 
-    def landing() -> float:
-        return crossing(
-            over,
+    def landing(bottom: float) -> Hanging | None:
+        """What hangs where the water below is so deep [m]."""
+        water = _Water(scene, start, bottom)
+
+        def shape_of(arc: float) -> Shape:
+            points, arcs, pull = _integrate(line, water, passed, arc, tension * (total - arc), way)
+            if plane is not None:
+                points[:, :2] = np.outer(points[:, :2] @ plane, plane)
+            return points + start, arcs, pull
+
+        shape = shape_of(total)
+        gap = above(shape)
+        if gap > 0.0:
+            return None if straight_down else Hanging(*shape, total, total, way)
+        lands = crossing(
+            lambda arc: above(shape_of(arc)),
             passed,
             total,
             at_low=height,
@@ -102,16 +103,27 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
             near=HANGING_NEAR * total,
             width=NARROW * total,
         )
+        shape = shape_of(lands)
+        points = shape[0]
+        points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
+        return Hanging(*shape, lands, total, way)
 
-    lands = landing()
-    if scene.environment.current is not None and (floor.z is None or any(floor.slope)):
-        water = _Water(scene, start, float(shape[0][-1, 2]))
-        gap = above(total)[0]
-        if gap <= 0.0:
-            lands = landing()
-    points = shape[0]
-    points[-1, 2] = floor.height(float(points[-1, 0]), float(points[-1, 1]))
-    return Hanging(*shape, lands, total, way)
+    hung = landing(bottom)
+    if not sloped or scene.environment.current is None:
+        return hung
+
+    def off(bottom: float) -> float:
+        """How much deeper it lands [m]."""
+        nonlocal hung
+        hung = landing(bottom)
+        return 0.0 if hung is None else bottom - float(hung.points[-1, 2])
+
+    if hung is not None:
+        from scipy.optimize import newton
+
+        lower = float(hung.points[-1, 2])
+        newton(off, bottom, x1=lower, tol=NARROW * total, maxiter=ROUNDS, disp=False)
+    return hung
 
 
 def way_of_lying(scene: Scene, start: FloatArray) -> FloatArray:

@@ -67,6 +67,7 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
     layer = hanging_height(scene) * max(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
+    layer = max(layer, kind.diameter)  # none bends more sharply
     return contact_weight(kind, scene.environment.gravity) * layer**3
 
 

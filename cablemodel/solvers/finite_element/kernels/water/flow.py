@@ -43,7 +43,6 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WD,
     WH,
 )
-from cablemodel.solvers.finite_element.kernels.floor.contact import LYING
 from cablemodel.solvers.finite_element.kernels.floor.floor_forces import block_of
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
 from cablemodel.solvers.finite_element.kernels.water.waves import DRAG, element_water
@@ -52,6 +51,11 @@ from cablemodel.solvers.shared.compile import kernel, own_numbers, own_record, v
 from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import GAUSS_WORDS
 from cablemodel.solvers.shared.record import Record, reals
+
+RESTS = 0.3
+"""Of the contact layer: the gap at which none of the cable has been laid. What lies on a slope and
+runs with the vessel could float on its drag D, at a gap x where D > w (2 x - x^2); laid before that
+it cannot, up to D = .51 w."""
 
 
 class CableInFlow(Record):
@@ -142,7 +146,7 @@ def laid_share(I, M, q, node, normal):
     """Share of the cable at a node that has been laid, at rest over the ground; its change [1/m].
 
     With the gap, along the floor's normal, which is written (dimension words): all of it rests
-    where there is none, and none where even a taut cable would not have touched a rigid floor.
+    where there is none.
     """
     head = header(I)
     state = scalars(M)
@@ -150,7 +154,7 @@ def laid_share(I, M, q, node, normal):
         return 0.0, 0.0
     dimension = head.dimension
     gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), normal)
-    width = LYING * state.floor_depth
+    width = RESTS * state.floor_depth
     x = gap / width
     if x <= 0.0:
         return 1.0, 0.0
