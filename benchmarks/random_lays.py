@@ -38,7 +38,7 @@ HEAD = (
         "pay-out over speed",
         "current",
     ),
-    *("start [ms]", "tension over the answer", "of the promise", "place aside [tau L]"),
+    *("start [ms]", "tension over the answer", "touchdown aside [tau L]", "warned"),
 )
 KNOT, SEA, GRAVITY = 1852.0 / 3600.0, 1025.0, 9.80665
 SHALLOWEST = math.radians(4.0)
@@ -197,16 +197,41 @@ def _unit(*vector: float) -> FloatArray:
     return np.asarray(np.array(vector) / np.linalg.norm(vector))
 
 
-def measure(seed: int) -> list[str]:
-    """A row: what is laid, how long it takes to start, and how far from the answer it is."""
+class Measured(NamedTuple):
+    """How a lay started, and how far from the answer."""
+
+    start: float
+    """Processor time [s]."""
+    warned: bool
+    over: float
+    """Tension at the vessel over the answer's; nan: no start was found."""
+    aside: float
+    """Of the touchdown from where the answer lands [tau L]; nan: there is none."""
+
+
+def measure(scene: cm.Scene) -> Measured:
+    """Start a lay, and find the answer."""
     import cablemodel as cm
 
-    scene = draw(seed)
-    floor = scene.environment.floor
+    begin = time.process_time()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            model = cm.CableModel(scene)
+        except cm.StaticsError:
+            return Measured(time.process_time() - begin, bool(said), math.nan, math.nan)
+    spent = time.process_time() - begin
+    answer, touchdown = landing(scene), model.touchdown_position
+    aside = abs(touchdown[1] - answer.place[1]) / (scene.solver.tolerance * scene.line_length)
+    return Measured(spent, bool(said), model.top_tension / answer.tension, aside)
+
+
+def row(seed: int, scene: cm.Scene, found: Measured) -> list[str]:
+    """What is laid, how it started, and how far from the answer."""
+    floor, speed = scene.environment.floor, float(scene.motion().evaluate(0.0)[1][0])
     assert floor is not None
     assert floor.z is not None
-    speed = float(scene.motion().evaluate(0.0)[1][0])
-    what = [
+    return [
         f"{seed}",
         f"{speed / KNOT:.2f}",
         f"{-floor.z:.0f}",
@@ -214,26 +239,10 @@ def measure(seed: int) -> list[str]:
         f"{scene.cable_types['c'].bending_stiffness:.3g}",
         f"{scene.rate_at_start / speed:.3f}",
         "" if scene.environment.current is None else "yes",
-    ]
-    begin = time.process_time()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            model = cm.CableModel(scene)
-    except cm.StaticsError:
-        return [*what, f"{1e3 * (time.process_time() - begin):.0f}", "none found", "", ""]
-    spent = time.process_time() - begin
-    answer = landing(scene)
-    over = model.top_tension / answer.tension
-    tolerance = scene.solver.tolerance
-    touchdown = model.touchdown_position
-    aside = math.nan if touchdown is None else touchdown[1] - answer.place[1]
-    return [
-        *what,
-        f"{1e3 * spent:.0f}",
-        f"{over:.5f}",
-        f"{abs(over - 1.0) / (10.0 * tolerance):.3f}",
-        f"{abs(aside) / (tolerance * scene.line_length):.3f}",
+        f"{1e3 * found.start:.0f}",
+        "none found" if math.isnan(found.over) else f"{found.over:.5f}",
+        f"{found.aside:.3f}",
+        "yes" if found.warned else "",
     ]
 
 
@@ -243,13 +252,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first lay")
     parser.add_argument("--count", type=int, default=100, help="how many")
     options = parser.parse_args(arguments)
-    rows = [measure(seed) for seed in range(options.first, options.first + options.count)]
+    rows, lays = [], []
+    for seed in range(options.first, options.first + options.count):
+        scene = draw(seed)
+        lays.append(measure(scene))
+        rows.append(row(seed, scene, lays[-1]))
     write_rows(RESULTS, HEAD, rows)
-    found = [row for row in rows if row[8] != "none found"]
-    print(f"{len(rows)} lays, {len(rows) - len(found)} without a start")
-    print(f"start within 2 s: {sum(float(row[7]) <= 2000.0 for row in found)}")
-    print(f"tension within the promise: {sum(float(row[9]) <= 1.0 for row in found)}")
-    print(f"place within tau L: {sum(not float(row[10]) > 1.0 for row in found)}")
+    quiet = [lay for lay in lays if not lay.warned and not math.isnan(lay.over)]
+    print(f"{len(lays)} lays, {sum(math.isnan(lay.over) for lay in lays)} without a start")
+    print(f"start within 2 s: {sum(lay.start <= 2.0 for lay in lays)}")
+    print(f"without a warning: {len(quiet)}; of these tensions within the promise (1 %):", end=" ")
+    print(f"{sum(abs(lay.over - 1.0) <= 0.01 for lay in quiet)}", end=", ")
+    print(f"touchdowns within tau L: {sum(lay.aside <= 1.0 for lay in quiet)}")
 
 
 if __name__ == "__main__":

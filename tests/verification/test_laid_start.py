@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from benchmarks import random_lays
 from benchmarks.random_lays import landing
 from benchmarks.random_scenes.draw import draw
 from cablemodel.solvers.estimating import PLACES
@@ -128,6 +129,14 @@ def test_thin_cable_lies_without_tension_too() -> None:
         settings = scene.solver.model_copy(update={"tolerance": tolerance})
         model = cm.CableModel(scene.model_copy(update={"solver": settings}))
         assert model.top_tension == pytest.approx(pull, rel=TOLERANCE)
+
+
+@pytest.mark.parametrize("seed", range(100, 110))
+def test_random_lays_land_where_flexible_cable_does(seed: int) -> None:
+    found = random_lays.measure(random_lays.draw(seed))
+    assert not found.warned
+    assert found.over == pytest.approx(1.0, rel=5e-3)  # half the promise
+    assert found.aside < 1.0
 
 
 def test_a_level_floor_in_still_water_starts_without_friction() -> None:
