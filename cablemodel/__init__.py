@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         SceneError,
         StaticsError,
         StepError,
+        SweptStartWarning,
         TautLayWarning,
         UnstableStartWarning,
     )
@@ -41,6 +42,7 @@ _HOME = {
     "StaticsError": "cablemodel.errors",
     "StepError": "cablemodel.errors",
     "DrawnStartWarning": "cablemodel.errors",
+    "SweptStartWarning": "cablemodel.errors",
     "TautLayWarning": "cablemodel.errors",
     "UnstableStartWarning": "cablemodel.errors",
     "CableModel": "cablemodel.model",
@@ -75,6 +77,7 @@ __all__ = [
     "SceneError",
     "StaticsError",
     "StepError",
+    "SweptStartWarning",
     "SystemModel",
     "SystemRecorder",
     "SystemScene",

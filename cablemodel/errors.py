@@ -161,6 +161,23 @@ class DrawnStartWarning(StartWarning):
         )
 
 
+class SweptStartWarning(StartWarning):
+    """Friction does not hold a lay's cable where it is laid, on its slope, in the current there.
+
+    Attributes: ``needed``: what it takes, over what there is [-].
+    """
+
+    def __init__(self, needed: float) -> None:
+        super().__init__(needed)
+        self.needed = needed
+
+    def __str__(self) -> str:
+        return (
+            f"to stay where it is laid the cable needs {self.needed:.3g} times the friction that "
+            "there is, against its slope and the current there: it starts where it has slid to"
+        )
+
+
 class TautLayWarning(StartWarning):
     """A lay down a slope starts without tension where it lands, and pays out less than it takes.
 

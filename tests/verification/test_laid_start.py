@@ -1,6 +1,7 @@
 """Static starts of cable that friction holds where it was laid: on slopes, and across a current."""
 
 import itertools
+import warnings
 
 import numpy as np
 import pytest
@@ -137,6 +138,18 @@ def test_random_lays_land_where_flexible_cable_does(seed: int) -> None:
     assert not found.warned
     assert found.over == pytest.approx(1.0, rel=5e-3)  # half the promise
     assert found.aside < 1.0
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0])
+def test_a_current_that_sweeps_a_lay_away_is_told(speed: float) -> None:
+    """The drag of the current across what lies, over mu w: 1/2 rho Cdn d u^2 / (mu w)."""
+    scene = lay(current=[0.0, speed, 0.0])
+    needed = 0.5 * 1025.0 * scene.cable_types["c"].drag_normal * 0.03 * speed**2 / (0.4 * WEIGHT)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        cm.CableModel(scene)
+    told = [each.message for each in said if isinstance(each.message, cm.SweptStartWarning)]
+    assert [each.needed for each in told] == pytest.approx([needed] if needed > 1.0 else [])
 
 
 def test_a_level_floor_in_still_water_starts_without_friction() -> None:

@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.errors import DrawnStartWarning, StaticsError, TautLayWarning
+from cablemodel.errors import (
+    DrawnStartWarning,
+    StaticsError,
+    SweptStartWarning,
+    TautLayWarning,
+)
 from cablemodel.scene.line import Initial
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
@@ -89,8 +94,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
             search.tries(described(strategy))
             try:
                 found = built(sought, planar, room, strategy)
-                if not strategy.as_laid and laid_start.applies(sought):
-                    _say_if_drawn(found, sought)
+                if laid_start.applies(sought):
+                    _say_if_drawn(found, sought, as_laid=strategy.as_laid)
                 if laid_loads.becomes_taut(sought):
                     needed = laid_loads.lay_rate(sought)
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
@@ -106,9 +111,13 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
     raise first
 
 
-def _say_if_drawn(block: Block, scene: Scene) -> None:
-    """Warn of a lay whose slope draws at what lies, where no start was found that holds it."""
-    if scene.rate_at_start <= 0.0 or not block.scalars.laid:
+def _say_if_drawn(block: Block, scene: Scene, *, as_laid: bool) -> None:
+    """Warn where friction does not hold what lies, and of a lay whose slope draws at it, where no
+    start was found in which friction does."""
+    needed = laid_start.asked_of_friction(block, scene)
+    if needed > 1.0:
+        warnings.warn(SweptStartWarning(needed), stacklevel=3)
+    if as_laid or scene.rate_at_start <= 0.0 or not block.scalars.laid:
         return
     hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
     tension = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]

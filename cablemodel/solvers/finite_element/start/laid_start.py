@@ -371,11 +371,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
     way = ends[1] - ends[0]
     runs_back = _is_laid_back(scene)
-    if runs_back:
-        velocity = scene.motion().evaluate(0.0)[1]
-        rise = float(np.dot(laid_loads.slopes(scene, 0.0, 0.0), velocity[:2]))
-        way = local(block, -np.array([*velocity[:2], rise]), point=False)
-    way /= max(float(np.linalg.norm(way)), 1e-12)
+    way = _way_back(block, scene) if runs_back else way / max(float(np.linalg.norm(way)), 1e-12)
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
     lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
     for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
@@ -390,13 +386,25 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     return line
 
 
+def _way_back(block: Block, scene: Scene) -> FloatArray:
+    """Along an even floor, behind a vessel under way: unit vector in the block, (dimension,)."""
+    velocity = scene.motion().evaluate(0.0)[1]
+    rise = float(np.dot(laid_loads.slopes(scene, 0.0, 0.0), velocity[:2]))
+    way = local(block, -np.array([*velocity[:2], rise]), point=False)
+    return np.asarray(way / np.linalg.norm(way))
+
+
 def _on_floor(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     """Places (n, dimension) in the block, brought to an even floor across it."""
-    x, y, _z = earth(block, places)[0].tolist()
-    rise = laid_loads.slopes(scene, x, y)
-    up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
-    up /= np.linalg.norm(up)
+    up = _up_at(block, scene, earth(block, places)[0])
     return np.asarray(places - np.outer(_gaps(block, scene, places), up))
+
+
+def _up_at(block: Block, scene: Scene, place: FloatArray) -> FloatArray:
+    """Out of the floor at a place (3,) of the earth [m], in the block, (dimension,)."""
+    rise = laid_loads.slopes(scene, float(place[0]), float(place[1]))
+    up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
+    return np.asarray(up / np.linalg.norm(up))
 
 
 def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
@@ -555,6 +563,28 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
     return bears, drags
 
 
+def asked_of_friction(block: Block, scene: Scene) -> float:
+    """What a lay's cable needs where it lies behind the vessel, against its slope and the current
+    there, over the friction that there is: the most at any node [-]; 0 where nothing was laid."""
+    if not _is_laid_back(scene):
+        return 0.0
+    edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
+    places, way, most = earth(block, _positions(block)), _way_back(block, scene), 0.0
+    water = laid_loads.water_velocity(scene, places[:, 2])
+    for node in np.flatnonzero(_lying_elements(block, which_bear(block, scene))):
+        contact, drag = edges[node, at.Edge.contact], edges[node, at.Edge.drag_normal]
+        if contact == 0.0:
+            continue  # a joint
+        up, flow = _up_at(block, scene, places[node]), local(block, water[node], point=False)
+        across = flow - (flow @ way) * way
+        across -= (across @ up) * up
+        down = up * up[-1]
+        down[-1] -= 1.0
+        pull = contact * down / up[-1] + drag * float(np.linalg.norm(across)) * across
+        most = max(most, float(np.linalg.norm(pull)) / contact)
+    return most / float(block.scalars.friction)
+
+
 def _shares(
     block: Block, scene: Scene, bears: FloatArray, drags: FloatArray | None, dragged: bool
 ) -> FloatArray:
@@ -569,9 +599,7 @@ def _shares(
     places = earth(block, _positions(block))
     steep = np.zeros(len(own))
     for node in np.flatnonzero(bears > 0.0):
-        rise = laid_loads.slopes(scene, float(places[node, 0]), float(places[node, 1]))
-        up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
-        up /= np.linalg.norm(up)
+        up = _up_at(block, scene, places[node])
         if dragged:
             along = own[node] - (own[node] @ up) * up
             share[node] = SLIDES * along / max(float(np.linalg.norm(along)), 1e-12)
