@@ -16,7 +16,6 @@ from cablemodel.solvers.finite_element.start.sea_floor import contact_weight
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import CableType
 
 FloatArray = NDArray[np.float64]
 
@@ -126,12 +125,6 @@ def lay_angle(weight: float, drag: float) -> float:
     weight: w [N/m]; drag: D, across a vertical cable at the vessel's speed [N/m].
     """
     return math.acos(2.0 * drag / (weight + math.hypot(weight, 2.0 * drag)))
-
-
-def momentum_of(kind: CableType, density: float, rate: float) -> float:
-    """That a cable which runs out takes along, per time: (m + m_a) V^2 [N]."""
-    added = kind.added_mass * density * 0.25 * math.pi * kind.diameter**2
-    return (kind.mass + added) * rate**2
 
 
 def lay_rate(scene: Scene) -> float:

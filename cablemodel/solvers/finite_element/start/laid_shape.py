@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.mesh import halved_where
 from cablemodel.solvers.finite_element.start import free_hanging, laid_loads
-from cablemodel.solvers.finite_element.start.laid_loads import lay_angle, momentum_of
+from cablemodel.solvers.finite_element.start.laid_loads import lay_angle
 from cablemodel.solvers.finite_element.start.sea_floor import (
     LYING,
     contact_depth,
     contact_weight,
     finest_element,
+    momentum_of,
     thinnest_layer,
     touchdown_layer,
 )

@@ -129,7 +129,7 @@ def outruns_its_foot(scene: Scene) -> bool:
     if not is_lay(scene) or laid_loads.is_dragged(scene):
         return False
     environment, kind = scene.environment, scene.cable_types[scene.cables[-1].type]
-    momentum = laid_loads.momentum_of(kind, environment.water_density, scene.rate_at_start)
+    momentum = sea_floor.momentum_of(kind, environment.water_density, scene.rate_at_start)
     height = momentum / sea_floor.contact_weight(kind, environment.gravity)
     return height > sea_floor.unfolding_layer(scene)
 

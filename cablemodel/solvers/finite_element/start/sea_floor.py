@@ -32,6 +32,10 @@ SHARPEST = 1.2, 0.003
 tau times the height from which it hangs, and of that height: the longer one. Folds of slack cable
 push back with some four times its weight. Without the second part they take more time than there
 is, and shallow lays do not start; and a finer tolerance would lay another cable."""
+STANDS = 7.837 ** (-1.0 / 3.0)
+"""The same in units of p / w, of cable that leaves a winch with the momentum p = (m + m_a) V^2:
+that high above where it lands, the tension is less than p, which pushes it like a column that
+stands on the floor, and less stiff it would buckle (Greenhill 1881)."""
 FLOOR_LOWEST = 0.2
 """Of the line's length: least height that it is taken to hang from. Longer ones hang at less than
 12 degrees, or lie: with less their starts took up to 20 s."""
@@ -44,6 +48,12 @@ FLOOR_SPARE = 40, 30
 def contact_weight(kind: CableType, gravity: float) -> float:
     """Weight per length that the floor's preload carries [N/m]; small for a cable that floats."""
     return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
+
+
+def momentum_of(kind: CableType, density: float, rate: float) -> float:
+    """That a cable which runs out takes along, per time: (m + m_a) V^2 [N]."""
+    added = kind.added_mass * density * 0.25 * math.pi * kind.diameter**2
+    return (kind.mass + added) * rate**2
 
 
 def hanging_height(scene: CableScene) -> float:
@@ -66,9 +76,19 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     gives it, however small. What hangs straight down lies .83 l off that of no stiffness, by the
     layer l of `SHARPEST`; with a horizontal tension H it is l (w l / H)^2.
     """
+    weight = contact_weight(kind, scene.environment.gravity)
     layer = hanging_height(scene) * max(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
-    layer = max(layer, kind.diameter)  # none bends more sharply
-    return contact_weight(kind, scene.environment.gravity) * layer**3
+    momentum = momentum_of(kind, scene.environment.water_density, _fastest_lay(scene))
+    # None bends more sharply than it is thick.
+    return weight * max(layer, kind.diameter, STANDS * momentum / weight) ** 3
+
+
+def _fastest_lay(scene: CableScene) -> float:
+    """Largest rate at which a winch pays out to a free end over a floor [m/s]; 0: none does."""
+    payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
+    if scene.environment.floor is None or payout is None or end is None or end.kind != "free":
+        return 0.0
+    return max(0.0, *(row.rate for row in payout.rate)) if payout.drum else 0.0
 
 
 def unfolding_layer(scene: CableScene) -> float:
