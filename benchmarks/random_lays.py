@@ -98,6 +98,7 @@ def _drawn(chance: np.random.Generator) -> dict[str, Any] | None:
         "line": [{"cable": {"type": "c", "length": depth}}],
         "vessel": {"velocity": [speed, 0.0, 0.0]},
         "payout": {"rate": rate, "drum": [{"cable": {"type": "c", "length": 2000.0}}]},
+        "run": {"duration": 1.0},
     }
 
 

@@ -233,7 +233,9 @@ class Scalars(Record, first=HEADER_WORDS):
     wave_x = real("x of the way that the waves go, a horizontal unit vector")
     wave_y = real("y of it")
     halves = real("1: in two halves where the caller's step is shorter than need be")
-    laid = real("1: what lies at a start has been laid; 2: and the start's frame moves over it")
+    laid = real(
+        "gap at which none of a start's cable has been laid, in contact layers; 0: all runs"
+    )
 
     # Cable that sleeps.
     sleep_after = real("time before which no more cable falls asleep", "s")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.solvers.finite_element.start.sea_floor import contact_weight
+from cablemodel.solvers.finite_element.start.sea_floor import LYING, contact_weight
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -24,6 +24,9 @@ DRAGGED = 5e-4
 over the floor, and bears the friction of that. Less is rounding of a speed in knots."""
 LAID_UNEVEN = 0.1
 """The same over a depth table, where that rate changes from place to place."""
+FLOATS = 1.25
+"""Times the drag that lifts what lies on a slope, over its weight: below that gap, in contact
+layers, some is at rest, and none floats."""
 LAID_FLAT = 0.04
 """Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
 LAID_STEEP = 0.01
@@ -177,11 +180,35 @@ def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
 
 
 def laid(scene: Scene) -> float:
-    """What runs along itself in the frame of the start: 0 all cable, where the vessel drags what
-    lies; 2 what hangs. What has been laid is at rest, and the momentum of a flow does not push it.
+    """Gap above the floor at which none of the cable has been laid, in contact layers; 0: what lies
+    is dragged, and runs along itself like all of it in the frame of the start.
+
+    What has been laid is at rest, and the momentum of a flow does not push it. At `LYING` even a
+    taut cable would not touch a rigid floor. What lies on a slope and runs into it, in the frame of
+    a vessel in a current, is lifted by drag of L times its weight: at a gap x, where the floor
+    bears 2 x - x^2 less of that, it would float, but for what is at rest.
     """
     floor = scene.environment.floor
-    return 0.0 if floor is None or is_dragged(scene) else 2.0
+    if floor is None or is_dragged(scene):
+        return 0.0
+    return max(LYING, FLOATS * _lift(scene))
+
+
+def _lift(scene: Scene) -> float:
+    """Of drag on cable that lies on a plane and runs with its vessel, over its weight [-]."""
+    velocity, rate = lay_motion(scene)
+    floor = scene.environment.floor
+    assert floor is not None
+    if floor.z is None or not np.any(velocity[:2]):
+        return 0.0
+    rise = np.array(floor.slope)
+    up = np.array([-rise[0], -rise[1], 1.0])
+    way = -np.array([velocity[0], velocity[1], float(rise @ velocity[:2])])
+    up, way = up / np.linalg.norm(up), way / np.linalg.norm(way)
+    flow = water_velocity(scene, np.array([floor.z]))[0] - velocity - rate * way
+    across = flow - (flow @ way) * way
+    drag = max(p.normal / p.contact for p in pieces(scene) if p.end > p.start)
+    return max(0.0, drag * float(np.linalg.norm(across)) * float(across @ up))
 
 
 def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:

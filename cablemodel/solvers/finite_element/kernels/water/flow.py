@@ -10,7 +10,7 @@ stands still that changes
   (m + ma) V^2 from the tension that straightens the cable, and leaves the momentum that passes
   each end of an element;
 - the drag of bodies, which run with their cable;
-- what has been laid, where the frame does not say so (`laid` 2): it is at rest over the ground, and
+- what has been laid (`laid`): it is at rest over the ground, and
   only a current pulls at it. On a slope its drag with the vessel's velocity would be more than its
   weight. From running to rest all of that changes gradually with the gap: switched at one of them,
   it lifted what was let go and pressed down what ran, to and fro without an end.
@@ -51,11 +51,6 @@ from cablemodel.solvers.shared.compile import kernel, own_numbers, own_record, v
 from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import GAUSS_WORDS
 from cablemodel.solvers.shared.record import Record, reals
-
-RESTS = 0.3
-"""Of the contact layer: the gap at which none of the cable has been laid. What lies on a slope and
-runs with the vessel could float on its drag D, at a gap x where D > w (2 x - x^2); laid before that
-it cannot, up to D = .51 w."""
 
 
 class CableInFlow(Record):
@@ -133,20 +128,11 @@ def at_point(I, M, flow, q, v, parent, node, h, g, point):
 
 
 @kernel
-def resting_share(I, M, q, node, normal):
-    """`laid_share` where the frame's velocity and the flow say otherwise (`laid` 2)."""
-    state = scalars(M)
-    if state.laid != 2.0:
-        return 0.0, 0.0
-    return laid_share(I, M, q, node, normal)
-
-
-@kernel
 def laid_share(I, M, q, node, normal):
     """Share of the cable at a node that has been laid, at rest over the ground; its change [1/m].
 
     With the gap, along the floor's normal, which is written (dimension words): all of it rests
-    where there is none.
+    where there is none, and none at the gap that `laid` says.
     """
     head = header(I)
     state = scalars(M)
@@ -154,7 +140,7 @@ def laid_share(I, M, q, node, normal):
         return 0.0, 0.0
     dimension = head.dimension
     gap = gap_at(I, M, view(q, 2 * dimension * node, 2 * dimension), normal)
-    width = RESTS * state.floor_depth
+    width = state.laid * state.floor_depth
     x = gap / width
     if x <= 0.0:
         return 1.0, 0.0
@@ -266,8 +252,8 @@ def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        share, _change = resting_share(I, M, q, parent, normal)
-        share *= resting_share(I, M, q, node, normal)[0]
+        share, _change = laid_share(I, M, q, parent, normal)
+        share *= laid_share(I, M, q, node, normal)[0]
         if head.wave_count != 0:
             e = edge_of(I, M, node)
             element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
@@ -314,7 +300,7 @@ def run_with_cable(I, M, flow, frame, sign, q, v):
         if node < 0:
             continue
         for _side in range(2 if row.length > 0.0 else 1):
-            share, _change = resting_share(I, M, q, node, normal)
+            share, _change = laid_share(I, M, q, node, normal)
             for i in range(dimension):
                 own = (1.0 - share) * flow * q[size * node + dimension + i] - share * frame[i]
                 v[size * node + i] += sign * own
@@ -338,8 +324,8 @@ def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
         if I[head.joint + node] != 0:
             continue
         parent = I[head.parent + node]
-        upper, upper_change = resting_share(I, M, q, parent, above)
-        lower, lower_change = resting_share(I, M, q, node, below)
+        upper, upper_change = laid_share(I, M, q, parent, above)
+        lower, lower_change = laid_share(I, M, q, node, below)
         share = upper * lower
         if head.wave_count != 0:
             e = edge_of(I, M, node)
@@ -357,7 +343,7 @@ def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
             row = body_of(I, M, body)
             node = int(row.node)
             if node >= 0 and row.length == 0.0:
-                share, _change = resting_share(I, M, q, node, below)
+                share, _change = laid_share(I, M, q, node, below)
                 add_body(I, M, (1.0 - share) * flow, q, v, a, ca, cv, row, node, sign)
         run_with_cable(I, M, flow, frame, 1.0 if side == 0 else -1.0, q, v)
 
