@@ -191,11 +191,12 @@ def laid(scene: Scene) -> float:
     floor = scene.environment.floor
     if floor is None or is_dragged(scene):
         return 0.0
-    return max(LYING, FLOATS * _lift(scene))
+    return max(LYING, min(1.0, FLOATS * _lift(scene)))
 
 
 def _lift(scene: Scene) -> float:
-    """Of drag on cable that lies on a plane and runs with its vessel, over its weight [-]."""
+    """Of drag on cable that lies on a plane and runs with its vessel, over its weight [-]: of the
+    outermost one."""
     velocity, rate = lay_motion(scene)
     floor = scene.environment.floor
     assert floor is not None
@@ -207,8 +208,9 @@ def _lift(scene: Scene) -> float:
     up, way = up / np.linalg.norm(up), way / np.linalg.norm(way)
     flow = water_velocity(scene, np.array([floor.z]))[0] - velocity - rate * way
     across = flow - (flow @ way) * way
-    drag = max(p.normal / p.contact for p in pieces(scene) if p.end > p.start)
-    return max(0.0, drag * float(np.linalg.norm(across)) * float(across @ up))
+    lies = [piece for piece in pieces(scene) if piece.end > piece.start][-1]
+    drag = lies.normal * float(np.linalg.norm(across)) * float(across @ up)
+    return max(0.0, drag / lies.contact)
 
 
 def _rise_ahead(scene: Scene, place: FloatArray, velocity: FloatArray) -> float:

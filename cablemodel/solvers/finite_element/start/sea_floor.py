@@ -88,7 +88,7 @@ def _fastest_lay(scene: CableScene) -> float:
     payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
     if scene.environment.floor is None or payout is None or end is None or end.kind != "free":
         return 0.0
-    return max(0.0, *(row.rate for row in payout.rate)) if payout.drum else 0.0
+    return max([0.0, *(row.rate for row in payout.rate)]) if payout.drum else 0.0
 
 
 def unfolding_layer(scene: CableScene) -> float:
