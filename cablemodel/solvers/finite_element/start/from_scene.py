@@ -95,7 +95,7 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
             try:
                 found = built(sought, planar, room, strategy)
                 if laid_start.applies(sought):
-                    _say_if_drawn(found, sought, as_laid=strategy.as_laid)
+                    _say_what_friction_lacks(found, sought, as_laid=strategy.as_laid)
                 if laid_loads.becomes_taut(sought):
                     needed = laid_loads.lay_rate(sought)
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
@@ -111,7 +111,7 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
     raise first
 
 
-def _say_if_drawn(block: Block, scene: Scene, *, as_laid: bool) -> None:
+def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> None:
     """Warn where friction does not hold what lies, and of a lay whose slope draws at it, where no
     start was found in which friction does."""
     needed = laid_start.asked_of_friction(block, scene)
