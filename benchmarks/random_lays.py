@@ -29,16 +29,17 @@ FloatArray = NDArray[np.float64]
 
 RESULTS = Path("docs/benchmarks/random_lays.csv")
 HEAD = (
-    *(
-        "seed",
-        "knots",
-        "depth [m]",
-        "slope [deg]",
-        "bending stiffness [N m2]",
-        "pay-out over speed",
-        "current",
-    ),
-    *("start [ms]", "tension over the answer", "touchdown aside [tau L]", "warned"),
+    "seed",
+    "knots",
+    "depth [m]",
+    "slope [deg]",
+    "bending stiffness [N m2]",
+    "pay-out over speed",
+    "current",
+    "start [ms]",
+    "tension over the answer",
+    "touchdown aside [tau L]",
+    "warned",
 )
 KNOT, SEA, GRAVITY = 1852.0 / 3600.0, 1025.0, 9.80665
 SHALLOWEST = math.radians(4.0)

@@ -6,6 +6,7 @@ what lies is pulled from there on); what lies is straight. Bending is left out.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from dataclasses import dataclass
@@ -80,6 +81,7 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         x, y, z = (float(value) for value in shape[0][-1])
         return z - floor.height(x, y)
 
+    @functools.cache
     def landing(bottom: float) -> Hanging | None:
         """What hangs where the water below is so deep [m]."""
         water = _Water(scene, start, bottom)

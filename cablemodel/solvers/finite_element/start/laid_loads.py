@@ -122,6 +122,18 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     return 0.5 * along / step, 0.5 * across / step
 
 
+def out_of_floor(scene: Scene, x: float, y: float) -> FloatArray:
+    """A vector across the floor at a place, upwards, (3,)."""
+    rise = slopes(scene, x, y)
+    return np.array([-rise[0], -rise[1], 1.0])
+
+
+def way_back(scene: Scene, velocity: FloatArray) -> FloatArray:
+    """A vector along an even floor, back from a vessel of this velocity (3,), (3,)."""
+    rise = float(np.dot(slopes(scene, 0.0, 0.0), velocity[:2]))
+    return -np.array([*velocity[:2], rise])
+
+
 def lay_angle(weight: float, drag: float) -> float:
     """Angle a of a lay from the horizontal [rad]: w cos a = D sin^2 a (Zajac 1957).
 
@@ -202,9 +214,7 @@ def _lift(scene: Scene) -> float:
     assert floor is not None
     if floor.z is None or not np.any(velocity[:2]):
         return 0.0
-    rise = np.array(floor.slope)
-    up = np.array([-rise[0], -rise[1], 1.0])
-    way = -np.array([velocity[0], velocity[1], float(rise @ velocity[:2])])
+    up, way = out_of_floor(scene, 0.0, 0.0), way_back(scene, velocity)
     up, way = up / np.linalg.norm(up), way / np.linalg.norm(way)
     flow = water_velocity(scene, np.array([floor.z]))[0] - velocity - rate * way
     across = flow - (flow @ way) * way

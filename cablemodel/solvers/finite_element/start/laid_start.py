@@ -388,9 +388,8 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
 
 def _way_back(block: Block, scene: Scene) -> FloatArray:
     """Along an even floor, behind a vessel under way: unit vector in the block, (dimension,)."""
-    velocity = scene.motion().evaluate(0.0)[1]
-    rise = float(np.dot(laid_loads.slopes(scene, 0.0, 0.0), velocity[:2]))
-    way = local(block, -np.array([*velocity[:2], rise]), point=False)
+    velocity = np.asarray(scene.motion().evaluate(0.0)[1])
+    way = local(block, laid_loads.way_back(scene, velocity), point=False)
     return np.asarray(way / np.linalg.norm(way))
 
 
@@ -402,9 +401,15 @@ def _on_floor(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
 
 def _up_at(block: Block, scene: Scene, place: FloatArray) -> FloatArray:
     """Out of the floor at a place (3,) of the earth [m], in the block, (dimension,)."""
-    rise = laid_loads.slopes(scene, float(place[0]), float(place[1]))
-    up = local(block, np.array([-rise[0], -rise[1], 1.0]), point=False)
+    up = local(block, laid_loads.out_of_floor(scene, float(place[0]), float(place[1])), point=False)
     return np.asarray(up / np.linalg.norm(up))
+
+
+def _downhill(up: FloatArray) -> FloatArray:
+    """Along the floor: what it does not bear of a unit weight, from `_up_at`, (dimension,)."""
+    down: FloatArray = up * up[-1]
+    down[-1] -= 1.0
+    return down
 
 
 def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
@@ -578,9 +583,7 @@ def asked_of_friction(block: Block, scene: Scene) -> float:
         up, flow = _up_at(block, scene, places[node]), local(block, water[node], point=False)
         across = flow - (flow @ way) * way
         across -= (across @ up) * up
-        down = up * up[-1]
-        down[-1] -= 1.0
-        pull = contact * down / up[-1] + drag * float(np.linalg.norm(across)) * across
+        pull = contact * _downhill(up) / up[-1] + drag * float(np.linalg.norm(across)) * across
         most = max(most, float(np.linalg.norm(pull)) / contact)
     return most / float(block.scalars.friction)
 
@@ -604,8 +607,7 @@ def _shares(
             along = own[node] - (own[node] @ up) * up
             share[node] = SLIDES * along / max(float(np.linalg.norm(along)), 1e-12)
             continue
-        down = up * up[-1]
-        down[-1] -= 1.0
+        down = _downhill(up)
         steep[node] = np.linalg.norm(down) / up[-1]
         share[node] = down / max(float(np.linalg.norm(down)), 1e-12)
         if drags is not None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.environment import Floor
     from cablemodel.scene.line import Cable, CableType
+    from cablemodel.scene.vessel import Payout
 
 FloatArray = NDArray[np.float64]
 
@@ -62,8 +63,7 @@ def hanging_height(scene: CableScene) -> float:
     x, y, z = scene.place
     length = scene.line_length
     floor = scene.environment.floor
-    payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
-    if floor is None or payout is None or not payout.drum or end is None or end.kind != "free":
+    if floor is None or _laying(scene) is None:
         return length
     height = z - floor.height(x, y)
     return min(max(height, FLOOR_LOWEST * length), length)
@@ -85,10 +85,16 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
 
 def _fastest_lay(scene: CableScene) -> float:
     """Largest rate at which a winch pays out to a free end over a floor [m/s]; 0: none does."""
+    payout = _laying(scene)
+    return 0.0 if payout is None else max([0.0, *(row.rate for row in payout.rate)])
+
+
+def _laying(scene: CableScene) -> Payout | None:
+    """Of a winch that pays out from its drum to a free end over a floor; None: there is none."""
     payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
     if scene.environment.floor is None or payout is None or end is None or end.kind != "free":
-        return 0.0
-    return max([0.0, *(row.rate for row in payout.rate)]) if payout.drum else 0.0
+        return None
+    return payout if payout.drum else None
 
 
 def unfolding_layer(scene: CableScene) -> float:
