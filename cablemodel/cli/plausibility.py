@@ -43,11 +43,6 @@ _FASTEST_WINCH = 10.0
 """Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
 _THICKEST = 0.4
 """Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
-_FOLDING = 4.0
-"""Force with which folds on the floor push back, in units of w l, l = (EI/w)^(1/3): 3 to 5 of it
-were found in lays of 60 to 1,000 m with 3 % of slack."""
-_SLACK = 1e-3
-"""Part of its way by which a winch that pays out more lays slack."""
 _EMPTY = 1e-6
 """Part of a pay-out that the drum may lack: rounding."""
 
@@ -79,7 +74,6 @@ def scene_warnings(scene: Scene) -> list[str]:
     found += _type_warnings(scene, items, "the line")
     found += _item_warnings(scene, items)
     found += _end_of_the_drum(scene)
-    found += _slack_without_bending(scene)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
@@ -179,43 +173,6 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
                     f"{what} has a drag_area, but no drag along its axis: drag_area_axial is "
                     "not given"
                 )
-    return found
-
-
-def _slack_without_bending(scene: Scene) -> list[str]:
-    """Slack that is laid of cable without bending stiffness, which gets too much of it there."""
-    from cablemodel.solvers.finite_element.start.scales import is_flexible
-    from cablemodel.solvers.finite_element.start.sea_floor import least_bending
-
-    floor = scene.environment.floor
-    rates = scene.payout.rate
-    if floor is None or floor.z is None or not rates:
-        return []
-    if scene.solver.method != "finite_element" or scene.end.kind != "free":
-        return []
-    motion = scene.motion()
-    times = np.linspace(0.0, scene.run.duration, 101)
-    paid = np.interp(times, [row.t for row in rates], [row.rate for row in rates])
-    speeds = [float(np.hypot(*motion.evaluate(float(t))[1][:2])) for t in times]
-    if not np.any((paid > 0.0) & (paid > (1.0 + _SLACK) * np.array(speeds))):
-        return []
-    depth = scene.vessel.position[2] - floor.z
-    found = []
-    cables = [*scene.cables, *scene.drum_cables]
-    for name in dict.fromkeys(cable.type for cable in cables if is_flexible(scene, cable)):
-        kind = scene.cable_types[name]
-        weight = kind.submerged_weight or 0.0
-        if weight <= 0.0:
-            continue
-        bending = least_bending(scene, kind)
-        push = _FOLDING * weight ** (2.0 / 3.0) * math.cbrt(bending)
-        if push > 10.0 * scene.solver.tolerance * weight * depth:
-            gets, lacks = (float(f"{value:.2g}") for value in (bending, push))
-            found.append(
-                f"cable type {name} has no bending_stiffness, and slack of it is paid out: where "
-                f"it is slack on the floor it gets {gets:,g} N m2, and its folds push back with "
-                f"some {lacks:,g} N, which the top tension lacks; give it its own bending_stiffness"
-            )
     return found
 
 

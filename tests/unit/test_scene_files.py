@@ -292,27 +292,3 @@ def test_the_vessels_own_motion_is_preferred_to_the_far_ends(tmp_path: Path) -> 
             assert scene_with(tmp_path, file="run.mcap", topic=topic).notes == ()
     write_log(tmp_path / "run.mcap", end | own | {"/nav": own["/odom"]})
     assert "has 3 topics with velocities" in str(refusal(tmp_path, file="run.mcap"))
-
-
-def test_slack_that_is_laid_of_cable_without_bending_is_warned_of() -> None:
-    """The floor lends it bending, and its folds take the top tension down by some per cent."""
-    cable = {"diameter": 0.026, "mass": 1.55, "axial_stiffness": 25e6}
-    winch: dict[str, object] = {
-        "rate": 3.18,
-        "drum": [{"cable": {"type": "c", "length": 5000.0}}],
-    }
-    data = {
-        "environment": {"floor": {"z": -1000.0, "friction": 0.6}},
-        "cable_types": {"c": cable},
-        "line": [{"cable": {"type": "c", "length": 4970.0}}],
-        "vessel": {"velocity": [3.087, 0.0, 0.0]},
-        "payout": winch,
-    }
-    words = [text for text in scene_warnings(cm.load_scene(data)) if "its folds push back" in text]
-    assert len(words) == 1
-    assert "some 120 N" in words[0]
-    winch["rate"] = 3.087
-    assert not scene_warnings(cm.load_scene(data))
-    winch["rate"] = 3.18
-    cable["bending_stiffness"] = 60.0
-    assert not scene_warnings(cm.load_scene(data))

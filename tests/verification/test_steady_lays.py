@@ -347,11 +347,10 @@ def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
     ("kind", "knots", "depth", "slack"),
     [(LIGHT, 6.0, 300.0, 0.03), (ARMOURED, 4.0, 400.0, 0.05), (LIGHT, 3.0, 100.0, 0.1)],
 )
-def test_slack_without_bending_stiffness_takes_little_off_the_top_tension(
+def test_slack_without_bending_stiffness_takes_hardly_anything_off_the_top_tension(
     kind: dict[str, float], knots: float, depth: float, slack: float
 ) -> None:
-    """It leaves the floor without tension; folds push back with what bending it gets there: 1.4 to
-    2.9 % were measured, and 3 to 17 % where that went with the line's length."""
+    """It leaves the floor without tension, and is limp there: what folds does not push back."""
     scene, rate = lay(kind, knots, depth, bending=0.0, slack=slack)
     model = started(scene)
     tops = []
@@ -359,7 +358,8 @@ def test_slack_without_bending_stiffness_takes_little_off_the_top_tension(
         model.step_to(float(second))
         tops.append(model.top_tension)
     top, _length = independent(kind, knots, rate, 0.0, depth, straight=True)
-    assert 0.97 * top < np.mean(tops[50:]) < 1.002 * top
+    assert np.mean(tops[50:]) == pytest.approx(top, rel=7e-3)
+    assert np.abs(np.array(tops) / top - 1.0).max() < 1.5e-2
 
 
 def test_a_lay_down_a_slope_that_gets_too_little_cable_is_told() -> None:

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 19
+VERSION = 20
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -47,7 +47,9 @@ class Header(Record):
     maximum_steps = integer("that a call may take, or a relaxation of a static start")
     drag = integer("0 in vacuum: no water terms")
     hybrid = integer("1: elements choose between elastica and cable by their tension")
-    damped = integer("1: some flexible cable has damping, in use as it is taut")
+    limp = integer(
+        "1: some cable may be limp (limp.py); LAYS_SLACK: of a lay that begins with slack"
+    )
     floor_kind = integer("FLOOR_NONE, FLOOR_PLANE or FLOOR_TABLE")
     floor_columns = integer("columns of the floor's table, along x")
     floor_rows = integer("rows of the floor's table, along y")
@@ -205,7 +207,8 @@ class Scalars(Record, first=HEADER_WORDS):
     period = real("sqrt(L/g)", "s")
     axial = real("stiffness of the whole line over its mass", "1/s2")
     undamped = real("1: drag does not damp the line's motion")
-    pressed = real("part of its axial stiffness that flexible cable keeps where it is pressed")
+    yields = real("pressure that shortens limp elements to nothing; 0: none is limp", "N")
+    taut_at = real("last time at which no slack lay", "s")
     joined = real("longest element that a change of the mesh has joined", "m")
 
     # Sea floor.
@@ -294,7 +297,9 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
-    flexible = real("1: cable without bending stiffness, which bears no pressure")
+    flexible = real("1: cable without bending stiffness")
+    bears = real("pressure that it bears before it bends aside within the element", "N")
+    yields = real("stiffness beyond; 0: it never does", "N")
     bending_full = real("bending stiffness of the cable", "N m2")
     model = real("MODEL_ELASTICA, MODEL_CABLE or MODEL_HYBRID")
     type = real("of the cable: row of the scene's types")
@@ -306,6 +311,7 @@ class Edge(Record):
 
 
 EDGE_WORDS = Edge.WORDS
+LAYS_SLACK = 2  # `limp`
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # What ties a node to its parent (`joint`).

@@ -62,6 +62,7 @@ from cablemodel.solvers.finite_element.start.scales import start_conditions, ten
 from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.solvers.finite_element.start.strategies import Strategy, described, strategies
 from cablemodel.solvers.finite_element.start.winch import Winch, winch_of
+from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
@@ -99,6 +100,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                 if laid_loads.becomes_taut(sought):
                     needed = laid_loads.lay_rate(sought)
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
+                if found.header.limp and laid_loads.lays_slack(sought):
+                    found.header.limp = at.LAYS_SLACK
                 _unfold(found, scene, planar)
                 return found
             except OutOfTimeError:

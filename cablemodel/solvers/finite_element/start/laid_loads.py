@@ -164,6 +164,12 @@ def lay_rate(scene: Scene) -> float:
     return speed * (math.sin(down) - math.sin(up)) / math.sin(down - up)
 
 
+def lays_slack(scene: Scene) -> bool:
+    """Whether a lay begins with more cable than it takes, by more than positions are promised."""
+    rate = scene.rate_at_start
+    return rate > 0.0 and rate > (1.0 + scene.solver.tolerance) * lay_rate(scene)
+
+
 def lay_motion(scene: Scene) -> tuple[FloatArray, float]:
     """Velocity of the frame in which a start is at rest, (3,), and of the cable along it [m/s].
 

@@ -30,9 +30,8 @@ BRISTLE = 0.02
 """Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
-tau times the height from which it hangs, and of that height: the longer one. Folds of slack cable
-push back with some four times its weight. Without the second part they take more time than there
-is, and shallow lays do not start; and a finer tolerance would lay another cable."""
+tau times the height from which it hangs, and of that height: the longer one. Without the second
+part starts at fine tolerances take a minute, and each tolerance would lay another cable."""
 STANDS = 7.837 ** (-1.0 / 3.0)
 """The same in units of p / w, of cable that leaves a winch with the momentum p = (m + m_a) V^2:
 that high above where it lands, the tension is less than p, which pushes it like a column that

@@ -3,14 +3,11 @@
 Kelvin and Voigt's law. T stays the tension that the strain belongs to, T + D is what the cable
 carries. D has the two modes of T, so that what bends within an element damps nothing.
 
-Cable without bending stiffness bears no pressure: B is less in use from step to step where T
-vanishes, by so much that T + D is not below zero. Where it is pulled taut D comes with T, within
-what tensions may be wrong by.
+Where limp cable goes slack another B is in use (`limp.py`).
 """
 
 from typing import Any
 
-from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D0,
     D1,
@@ -19,9 +16,9 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT,
     WEIGHT_P1,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top, rate_words
+from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
 from cablemodel.solvers.shared.access import edge_of, header
-from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.compile import inlined, kernel
 
 
 def damping_kernel(dimension: int, tangents: int) -> Any:
@@ -96,24 +93,3 @@ def carried(I, M, element):
     """Mean of T + D in an element of the state [N]."""
     d0, _d1, _lost = damping_in(I, M, element)
     return M[header(I).tension + 2 * element] + d0
-
-
-@kernel
-def update_damping(I, M):
-    """Flexible cable: what of B is in use in the next step, from the state."""
-    head = header(I)
-    if head.payout != 0:
-        count = 2 * head.dimension * head.nodes
-        q = view(M, head.position, count)
-        v = view(M, head.velocity, count)
-        material_top(I, M, q, v, view(M, head.acceleration, count))
-    promised = promised_tension(M)
-    for node in range(1, head.nodes):
-        edge = edge_of(I, M, node)
-        if edge.damping_full == 0.0 or edge.flexible == 0.0 or I[head.joint + node] != 0:
-            continue
-        tension = max(0.0, M[head.tension + 2 * node])
-        edge.damping = edge.damping_full * min(1.0, tension / promised)
-        mean, _slope = strain_rate(I, M, node)
-        if edge.damping * mean < -tension:
-            edge.damping = -tension / mean

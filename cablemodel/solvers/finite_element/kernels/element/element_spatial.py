@@ -17,7 +17,7 @@ from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     pair_kernels,
     third_tension,
 )
-from cablemodel.solvers.finite_element.kernels.element.strain import moments_aside
+from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
     D2,
@@ -281,8 +281,8 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 )
                 r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
                 r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
-        if t0 < abs(t1) and edge.flexible != 0.0:
-            aside0, aside1, _c00, _c01, _c11 = moments_aside(M, edge, t0, t1)
+        if may_be_slack(edge, t0, t1):
+            aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
             r0 -= aside0
             r1 -= aside1
         out_constraint[2 * node] = h * r0
@@ -650,8 +650,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
                 c00 += h * WEIGHT[g] * slope
                 c01 += h * WEIGHT_P1[g] * slope
                 c11 += h * WEIGHT_P1[g] * P1[g] * slope
-        if t0 < abs(t1) and edge.flexible != 0.0:
-            _r0, _r1, d00, d01, d11 = moments_aside(M, edge, t0, t1)
+        if may_be_slack(edge, t0, t1):
+            _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
             c00 += h * d00
             c01 += h * d01
             c11 += h * d11

@@ -5,7 +5,6 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.strain import pressed_stiffness
 from cablemodel.solvers.finite_element.kernels.element.tables import STABILISATION
 from cablemodel.solvers.shared.access import line_facts_at, motion_piece_of, new_motion, scalars
 from cablemodel.solvers.shared.compile import kernel
@@ -115,7 +114,6 @@ def measure_line(I, M, words):
     state.smallest_step = 1e-10 * period
     state.axial = 1.0 / (facts.softness * facts.mass)
     state.undamped = 1.0 if undamped else 0.0
-    state.pressed = pressed_stiffness(M)
     finest = FINEST_IN_AIR if undamped else FINEST_IN_WATER
     state.order_3 = 0.0
     if slack and tolerance >= finest:

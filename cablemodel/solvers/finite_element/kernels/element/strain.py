@@ -8,8 +8,6 @@ from cablemodel.solvers.shared.layout import (
 )
 from cablemodel.solvers.shared.strain import strain_and_slope
 
-PRESSED_EA = 0.01  # of its axial stiffness, what resists where cable bends aside within an element
-FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
 PIECES = 8  # in which the tensions at three points of an element may lie, each on either branch
 EXACT = 1e-12  # of a change of strain
 
@@ -24,46 +22,45 @@ def promised_tension(M):
     return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
 
 
-@kernel
-def pressed_stiffness(M):
-    """Part of its axial stiffness that flexible cable keeps where it is pressed, off the floor.
-
-    All of it where drag does not damp what snaps back, and where the mesh resolves its folds.
-    """
-    state = scalars(M)
-    if state.undamped != 0.0 or state.tolerance < FOLDS_WITHIN:
-        return 1.0
-    return PRESSED_EA
+@inlined
+def may_be_slack(edge, t0, t1):
+    """Whether some of an element under the tension t0 + t1 P1 may be pressed aside."""
+    return t0 < abs(t1) and edge.yields != 0.0
 
 
 @inlined
-def strain_aside(M, edge, tension, promised):
-    """Strain [-] of flexible cable by what bends aside within an element at a tension [N], and
-    d strain/d tension [1/N].
-
-    What is pressed by more than `promised` [N], what tensions may be wrong by, folds in waves
-    shorter than any element (P/m grows them, and nothing of their own holds them): its chord gets
-    shorter under hardly more pressure. What the mesh resolves of it takes over as it bends.
-    """
-    beyond = tension + promised
-    if beyond >= 0.0:
+def strain_aside(edge, tension):
+    """Strain [-] of cable by what bends aside within an element at a tension [N], and
+    d strain/d tension [1/N]; see `limp.py`."""
+    beyond = tension + edge.bears
+    if beyond >= 0.0 or edge.yields == 0.0:
         return 0.0, 0.0
-    softness = edge.compliance * (1.0 / scalars(M).pressed - 1.0)
+    softness = 1.0 / edge.yields
     return softness * beyond, softness
 
 
+@inlined
+def folds(M, edge, t0, t1):
+    """Whether an element under the tension t0 + t1 P1 bends aside: slack that lies, by more than
+    what positions may be wrong by."""
+    if edge.yields == 0.0:
+        return False
+    if edge.bears > 0.0:
+        return t0 - abs(t1) < -edge.bears
+    return t0 < -scalars(M).tolerance * edge.yields
+
+
 @kernel
-def moments_aside(M, edge, t0, t1):
+def moments_aside(edge, t0, t1):
     """Means over an element of that strain, alone and times P1, under the tension t0 + t1 P1 [N],
     and their derivatives by t0, t1 and both [1/N]."""
-    promised = promised_tension(M)
     r0 = 0.0
     r1 = 0.0
     c00 = 0.0
     c01 = 0.0
     c11 = 0.0
     for g in range(3):
-        strain, slope = strain_aside(M, edge, t0 + t1 * P1[g], promised)
+        strain, slope = strain_aside(edge, t0 + t1 * P1[g])
         r0 += WEIGHT[g] * strain
         r1 += WEIGHT_P1[g] * strain
         c00 += WEIGHT[g] * slope
@@ -73,9 +70,9 @@ def moments_aside(M, edge, t0, t1):
 
 
 @kernel
-def energy_aside(M, edge, tension):
+def energy_aside(edge, tension):
     """What `strain_aside` keeps per unit length [J/m]."""
-    strain, softness = strain_aside(M, edge, tension, promised_tension(M))
+    strain, softness = strain_aside(edge, tension)
     return tension * strain - 0.5 * strain * strain / softness if softness > 0.0 else 0.0
 
 
@@ -86,7 +83,6 @@ def tensions_after(M, edge, t0, t1, change0, change1):
 
     By Newton's method: strain is piecewise linear in a tension below zero.
     """
-    promised = promised_tension(M)
     wanted0 = change0
     wanted1 = change1
     old0 = t0
@@ -110,7 +106,7 @@ def tensions_after(M, edge, t0, t1, change0, change1):
                 int(edge.strain_offset),
                 int(edge.strain_terms),
             )
-            aside, softness = strain_aside(M, edge, tension, promised)
+            aside, softness = strain_aside(edge, tension)
             if softness > 0.0:
                 now += 1 << g
             strain += aside

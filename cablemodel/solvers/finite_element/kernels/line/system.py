@@ -40,7 +40,7 @@ from cablemodel.solvers.finite_element.kernels.element.element_spatial import (
     residual_spatial,
     stretch_rate_spatial,
 )
-from cablemodel.solvers.finite_element.kernels.element.strain import tensions_after
+from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, tensions_after
 from cablemodel.solvers.finite_element.kernels.floor.floor_forces import (
     floor_jacobian,
     floor_residual,
@@ -435,7 +435,7 @@ def recover_tension(I, M, constraint, x, tension, iterates):
     joints = view(I, head.joint, nodes)
     work = view(M, head.stretch, 2 * nodes)
     stretch_rate(I, M, x, work)
-    gives_way = iterates and scalars(M).pressed < 1.0
+    gives_way = iterates and head.limp != 0
     head.bent_aside = 0
     largest = 0.0
     for node in range(1, nodes):
@@ -449,13 +449,12 @@ def recover_tension(I, M, constraint, x, tension, iterates):
         if gives_way and joints[node] == 0:
             t0 = tension[2 * node]
             t1 = tension[2 * node + 1]
-            if t0 < abs(t1) or t0 + d0 < abs(t1 + d1):
-                edge = edge_of(I, M, node)
-                if edge.flexible != 0.0:
-                    h = edge.length
-                    d0, d1, others = tensions_after(M, edge, t0, t1, r0 / h, r1 / h)
-                    if others:
-                        head.bent_aside = 1
+            edge = edge_of(I, M, node)
+            if may_be_slack(edge, t0, t1) or may_be_slack(edge, t0 + d0, t1 + d1):
+                h = edge.length
+                d0, d1, others = tensions_after(M, edge, t0, t1, r0 / h, r1 / h)
+                if others:
+                    head.bent_aside = 1
         tension[2 * node] += d0
         tension[2 * node + 1] += d1
         largest = max(largest, abs(d0), abs(d1))

@@ -204,8 +204,8 @@ def cable_energy(I, M, node, found):
         # Complementary energy subtracted from T strain: exact for a curved law too.
         tension = mean + slope * P1[p]
         found.axial += weight * strain_energy(M, edge, tension)
-        if edge.flexible != 0.0:
-            found.axial += weight * energy_aside(M, edge, tension)
+        if edge.yields != 0.0:
+            found.axial += weight * energy_aside(edge, tension)
         found.bending += 0.5 * weight * edge.bending * curvature
         if head.wave_count != 0:
             cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found)

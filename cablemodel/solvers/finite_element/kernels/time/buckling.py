@@ -15,13 +15,11 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import (
-    pressed_stiffness,
     promised_tension,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import slope_is_held
-from cablemodel.solvers.finite_element.kernels.time.tension import gives_way
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
@@ -101,22 +99,6 @@ def is_held(I, M):
                 for j in range(k + 1, size):
                     work[size * i + j] -= factor * work[size * k + j]
     return True
-
-
-@kernel
-def follow_pressure(I, M):
-    """Choose whether cable bends aside within elements (`strain_aside`): not where a line touches
-    the floor, which holds what lies.
-
-    The law changes while no element is pressed by so much: no energy is made.
-    """
-    head = header(I)
-    state = scalars(M)
-    pressed = 1.0 if head.floor_state == FLOOR_TOUCHED else pressed_stiffness(M)
-    if pressed == state.pressed:
-        return
-    if not gives_way(I, M, view(M, head.tension, 2 * head.nodes)):
-        state.pressed = pressed
 
 
 @kernel

@@ -55,6 +55,7 @@ from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, JOIN
 
 MOST_LASTING = 2000.0  # rad: longest that a ring is taken to last
 SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
+LEFT_SLACK = 0.1  # of the pressure to which limp cable gives way: tension left by Newton's method
 ROUNDED = 1e-13  # strain that rounding may change
 
 
@@ -387,6 +388,8 @@ def left_of_rings(I, M, dt):
     """What Newton's method may leave in tensions in a step of dt, which rings keep [N]."""
     head = header(I)
     least = math.inf
+    if scalars(M).yields > 0.0:
+        least = LEFT_SLACK * scalars(M).yields
     if head.rings == 0:
         return least
     for n in range(head.constraint_count):

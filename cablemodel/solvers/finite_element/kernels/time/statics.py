@@ -8,6 +8,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 from cablemodel.solvers.finite_element.kernels.bodies.clamp_layer import settle_layer
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_turns_anew
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
+from cablemodel.solvers.finite_element.kernels.element.limp import forget_limp
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import bear
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import leave_floor
 from cablemodel.solvers.finite_element.kernels.line.closures import (
@@ -25,7 +26,6 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
 )
 from cablemodel.solvers.finite_element.kernels.time.backup import keep_matrix
-from cablemodel.solvers.finite_element.kernels.time.buckling import follow_pressure
 from cablemodel.solvers.finite_element.kernels.water.flow import (
     flow_jacobian,
     flow_residual,
@@ -69,8 +69,8 @@ def find_equilibrium(I, M, frame):
     if head.floor_kind != FLOOR_NONE:
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
     few = head.maximum_steps < LARGEST_STEPS and flow_of(I, M) != 0.0
-    pressed = scalars(M).pressed
-    scalars(M).pressed = 1.0  # what a search passes through is not what bends aside
+    if head.limp != 0:
+        forget_limp(I, M)  # what a search passes through is not what bends aside
     for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, head.position, head.stage_velocity, count)
@@ -78,10 +78,8 @@ def find_equilibrium(I, M, frame):
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
             break
-    scalars(M).pressed = pressed
     if head.floor_kind != FLOOR_NONE:
         leave_floor(I, M)
-        follow_pressure(I, M)
     return status
 
 

@@ -15,7 +15,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.element.strain import folds, promised_tension
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     GAMMA,
     STAGES,
@@ -532,10 +532,9 @@ def gives_way(I, M, tension):
     """Whether flexible cable bends aside within an element under these tensions: waves along it
     end there, and nothing rings on."""
     head = header(I)
-    promised = promised_tension(M)
     for node in range(1, head.nodes):
-        if I[head.joint + node] == 0 and edge_of(I, M, node).flexible != 0.0:
-            if tension[2 * node] - abs(tension[2 * node + 1]) < -promised:
+        if I[head.joint + node] == 0:
+            if folds(M, edge_of(I, M, node), tension[2 * node], tension[2 * node + 1]):
                 return True
     return False
 
@@ -589,7 +588,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             scatter = max(scatter, stage_scatter(I, M, node, scheme))
     if scatter <= TENSION_UNSEEN:
         return scatter, PASSES_OVER
-    if head.parts == 0 and state.pressed < 1.0:
+    if head.parts == 0 and head.limp != 0:
         if gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes)):
             return 0.0, FOLLOWS
     if head.parts == 0 and dies_away(M):

@@ -7,7 +7,7 @@ happened; `take` follows where a step was made, else `try_again`, by what stood 
 from cablemodel.solvers.finite_element.kernels.bodies.clamp_layer import follow_layer
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_turns_anew
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
-from cablemodel.solvers.finite_element.kernels.element.damping import update_damping
+from cablemodel.solvers.finite_element.kernels.element.limp import follow_limp
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import follow_third_mode
 from cablemodel.solvers.finite_element.kernels.element.strain import overstretched
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAGES
@@ -40,7 +40,6 @@ from cablemodel.solvers.finite_element.kernels.time.buckling import (
     any_pressed,
     arch_stands,
     fall_over,
-    follow_pressure,
     is_held,
     make_crooked,
 )
@@ -329,8 +328,8 @@ def make_ready(I, M, plan):
     head = header(I)
     state = scalars(M)
     dt = plan.dt
-    if head.damped == 1:
-        update_damping(I, M)
+    if head.limp != 0:
+        follow_limp(I, M)
     if dt < 0.2 * state.last_step:
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
         if state.time != plan.jolted:
@@ -471,7 +470,6 @@ def take(I, M, plan):
             settle(I, M)
         if head.floor_state != FLOOR_FAR:
             leave_floor(I, M)
-        follow_pressure(I, M)
     if head.hybrid == 1:
         update_bending(I, M)
     if head.rigid > 0 or head.payout != 0 or head.closure_count != 0:

@@ -1,0 +1,145 @@
+"""Cable that is pressed bends aside, within elements where nothing else holds it.
+
+Cable without bending stiffness folds under any pressure P in waves however short (sqrt(P/m) times
+their number grows them), far shorter than elements. An element gets shorter then instead.
+
+Where slack lies on a floor cable is limp: an element gets shorter by T / `yields`, to nothing
+under a small part of what its tension may be wrong by. So slack lies where it fell, and what hangs
+above it is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The relaxed
+energy density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by
+which D is as large as that pressure. Nothing else stops the strain of an element then.
+
+A line that hangs free bears what its tension may be wrong by, and keeps a hundredth of EA beyond;
+down to a tolerance from which on the mesh resolves its folds.
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
+from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
+from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, LAYS_SLACK
+
+BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
+FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
+SLOWEST_FOLD = 1e-3  # in sqrt(L/g): rate of folding down to which it dissipates as much
+WAVE_LASTS = 0.01  # sqrt(L/g): pressure that is over sooner is a wave, and no slack
+PRESSED_EA = 0.01  # of its axial stiffness, what resists where cable that hangs bends aside
+FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
+
+
+@inlined
+def fold_of(edge):
+    """How long folds on a floor are, some (EI/w)^(1/3) [m]; infinite without weight."""
+    if edge.contact <= 0.0:
+        return math.inf
+    return (edge.bending_full / edge.contact) ** (1.0 / 3.0)
+
+
+@kernel
+def may_be_limp(M, edge, promised):
+    """Whether cable that lies folds within what is promised: it has no bending stiffness, or so
+    little that its folds are no larger than positions may be wrong by, and push back with no more
+    than tensions may be, `promised` [N]."""
+    if edge.flexible != 0.0:
+        return True
+    state = scalars(M)
+    fold = fold_of(edge)
+    return fold <= state.tolerance * state.length and FOLDED * edge.contact * fold <= promised
+
+
+@kernel
+def has_slack(I, M, promised):
+    """Whether cable of one line that may be limp lies slack: on a floor its material is pressed, or
+    would be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than
+    half of what folds of its bending push back with."""
+    head = header(I)
+    if head.parts != 0 or not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
+        return False
+    for node in range(1, head.nodes):
+        pressure = -M[head.tension + 2 * node]
+        if pressure <= 0.0 or I[head.joint + node] != 0:
+            continue
+        edge = edge_of(I, M, node)
+        if edge.yields > 0.0 and edge.bears == 0.0:
+            pressure /= edge.yields * edge.compliance
+        if pressure > promised and may_be_limp(M, edge, promised):
+            if pressure > 0.5 * FOLDED * edge.contact * fold_of(edge):
+                return True
+    return False
+
+
+@kernel
+def choose_limp(I, M):
+    """Under what pressure elements of the state bend aside, by the largest tension so far.
+
+    None where nothing damps what snaps back, in air, and where no tension is promised.
+    """
+    head = header(I)
+    state = scalars(M)
+    largest = state.largest_tension
+    if state.undamped != 0.0 or largest > 1e300:
+        return
+    promised = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
+    begins = head.limp == LAYS_SLACK and head.steps == 0
+    if not (begins or has_slack(I, M, promised)):
+        state.taut_at = state.time
+    lasts = 0.0 if head.limp == LAYS_SLACK else WAVE_LASTS * state.period
+    limp = begins or state.time > state.taut_at + lasts
+    state.yields = BORNE * promised if limp else 0.0
+    hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        edge.bears = 0.0
+        edge.yields = 0.0
+        if limp and may_be_limp(M, edge, promised):
+            edge.yields = state.yields
+        elif hangs and edge.flexible != 0.0:
+            edge.bears = promised_tension(M)
+            edge.yields = PRESSED_EA / (1.0 - PRESSED_EA) / edge.compliance
+
+
+@kernel
+def forget_limp(I, M):
+    """No cable bends aside within elements."""
+    head = header(I)
+    scalars(M).yields = 0.0
+    for node in range(1, head.nodes):
+        edge_of(I, M, node).yields = 0.0
+
+
+@kernel
+def follow_limp(I, M):
+    """What bends aside in the next step, and what damping elements have in it, from the state.
+
+    Flexible cable has so much of its material's that T + D is not below zero where T vanishes; as
+    it is pulled taut D comes with T, within what tensions may be wrong by.
+    """
+    head = header(I)
+    choose_limp(I, M)
+    if head.payout != 0:
+        count = 2 * head.dimension * head.nodes
+        q = view(M, head.position, count)
+        v = view(M, head.velocity, count)
+        material_top(I, M, q, v, view(M, head.acceleration, count))
+    promised = promised_tension(M)
+    slowest = SLOWEST_FOLD / scalars(M).period
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        if I[head.joint + node] != 0:
+            continue
+        limp = edge.yields > 0.0 and edge.bears == 0.0
+        t0 = M[head.tension + 2 * node]
+        if limp and t0 < abs(M[head.tension + 2 * node + 1]):
+            mean, slope = strain_rate(I, M, node)
+            edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
+        elif edge.damping_full == 0.0 or edge.flexible == 0.0:
+            edge.damping = edge.damping_full
+        else:
+            tension = max(0.0, t0)
+            edge.damping = edge.damping_full * min(1.0, tension / promised)
+            mean, _slope = strain_rate(I, M, node)
+            if edge.damping * mean < -tension:
+                edge.damping = -tension / mean
