@@ -17,6 +17,7 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
 from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
 from cablemodel.solvers.shared.access import edge_of, header, scalars
 from cablemodel.solvers.shared.compile import inlined, kernel, view
@@ -52,10 +53,11 @@ def may_be_limp(M, edge, promised):
 
 @kernel
 def has_slack(I, M, promised):
-    """Whether cable of one line that may be limp lies slack: on a floor its material is pressed, or
-    would be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than
-    half of what folds of its bending push back with."""
+    """Whether cable of one line that may be limp is slack: where it lies its material is pressed,
+    or would be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than
+    half of what folds of its bending push back with. What hangs may be pressed by a blow."""
     head = header(I)
+    q = view(M, head.position, 2 * head.dimension * head.nodes)
     if head.parts != 0 or not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
         return False
     for node in range(1, head.nodes):
@@ -65,6 +67,8 @@ def has_slack(I, M, promised):
         edge = edge_of(I, M, node)
         if edge.yields > 0.0 and edge.bears == 0.0:
             pressure /= edge.yields * edge.compliance
+        elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
+            continue
         if pressure > promised and may_be_limp(M, edge, promised):
             if pressure > 0.5 * FOLDED * edge.contact * fold_of(edge):
                 return True

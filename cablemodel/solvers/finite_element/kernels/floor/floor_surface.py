@@ -3,7 +3,7 @@
 import math
 
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.environment import interval
 from cablemodel.solvers.shared.layout import (
     FLOOR_PLANE,
@@ -184,3 +184,11 @@ def lowest_gap(I, M, q, node):
                 gap += normal[i] * (place[i] - begin[i])
         lowest = min(lowest, gap)
     return lowest - state.floor_bend * h * h
+
+
+@kernel
+def near_floor(I, M, node, q):
+    """Whether a node is so near to the floor that it may bear on it."""
+    dimension = header(I).dimension
+    place = view(q, 2 * dimension * node, dimension)
+    return gap_at(I, M, place, vector()) < scalars(M).floor_depth

@@ -17,7 +17,7 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     promised_tension,
 )
-from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import slope_is_held
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
@@ -35,14 +35,6 @@ GOLDEN_ANGLE = 2.399963229728653  # golden angle: its multiples hold all waves o
 
 own_block = own_numbers(36)
 """own_block(): zeros, a block of the matrix of nodes."""
-
-
-@kernel
-def near_floor(I, M, node, q):
-    """Whether a node is so near to the floor that it may bear on it."""
-    dimension = header(I).dimension
-    place = view(q, 2 * dimension * node, dimension)
-    return gap_at(I, M, place, vector()) < scalars(M).floor_depth
 
 
 @kernel
