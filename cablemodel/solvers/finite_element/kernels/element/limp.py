@@ -87,11 +87,10 @@ def choose_limp(I, M):
     if state.undamped != 0.0 or largest > 1e300:
         return
     promised = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
-    begins = head.limp == LAYS_SLACK and head.steps == 0
-    if not (begins or has_slack(I, M, promised)):
+    if not has_slack(I, M, promised):
         state.taut_at = state.time
     lasts = 0.0 if head.limp == LAYS_SLACK else WAVE_LASTS * state.period
-    limp = begins or state.time > state.taut_at + lasts
+    limp = state.time > state.taut_at + lasts
     state.yields = BORNE * promised if limp else 0.0
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     for node in range(1, head.nodes):
