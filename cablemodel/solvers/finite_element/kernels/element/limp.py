@@ -13,10 +13,9 @@ A line that hangs free bears what its tension may be wrong by, and keeps a hundr
 down to a tolerance from which on the mesh resolves its folds.
 """
 
-import math
-
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
-from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, promised_tension
+from cablemodel.solvers.finite_element.kernels.floor.contact import touchdown_layer
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
 from cablemodel.solvers.shared.access import edge_of, header, scalars
@@ -32,23 +31,21 @@ FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
 
 
 @inlined
-def fold_of(edge):
-    """How long folds on a floor are, some (EI/w)^(1/3) [m]; infinite without weight."""
-    if edge.contact <= 0.0:
-        return math.inf
-    return (edge.bending_full / edge.contact) ** (1.0 / 3.0)
+def push_of(M, edge):
+    """What folds of an element's bending push back with [N]."""
+    return FOLDED * edge.contact * touchdown_layer(M, edge)
 
 
 @kernel
 def may_be_limp(M, edge, promised):
     """Whether cable that lies folds within what is promised: it has no bending stiffness, or so
-    little that its folds are no larger than positions may be wrong by, and push back with no more
-    than tensions may be, `promised` [N]."""
+    little that its folds, some (EI/w)^(1/3) long, are no larger than positions may be wrong by, and
+    push back with no more than tensions may be, `promised` [N]."""
     if edge.flexible != 0.0:
         return True
     state = scalars(M)
-    fold = fold_of(edge)
-    return fold <= state.tolerance * state.length and FOLDED * edge.contact * fold <= promised
+    unseen = touchdown_layer(M, edge) <= state.tolerance * state.length
+    return unseen and push_of(M, edge) <= promised
 
 
 @kernel
@@ -65,12 +62,12 @@ def has_slack(I, M, promised):
         if pressure <= 0.0 or I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        if edge.yields > 0.0 and edge.bears == 0.0:
+        if is_limp(edge):
             pressure /= edge.yields * edge.compliance
         elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
             continue
         if pressure > promised and may_be_limp(M, edge, promised):
-            if pressure > 0.5 * FOLDED * edge.contact * fold_of(edge):
+            if pressure > 0.5 * push_of(M, edge):
                 return True
     return False
 
@@ -92,6 +89,7 @@ def choose_limp(I, M):
     lasts = 0.0 if head.limp == LAYS_SLACK else WAVE_LASTS * state.period
     limp = state.time > state.taut_at + lasts
     state.yields = BORNE * promised if limp else 0.0
+    bears = promised_tension(M)
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
@@ -100,7 +98,7 @@ def choose_limp(I, M):
         if limp and may_be_limp(M, edge, promised):
             edge.yields = state.yields
         elif hangs and edge.flexible != 0.0:
-            edge.bears = promised_tension(M)
+            edge.bears = bears
             edge.yields = PRESSED_EA / (1.0 - PRESSED_EA) / edge.compliance
 
 
@@ -133,9 +131,8 @@ def follow_limp(I, M):
         edge = edge_of(I, M, node)
         if I[head.joint + node] != 0:
             continue
-        limp = edge.yields > 0.0 and edge.bears == 0.0
         t0 = M[head.tension + 2 * node]
-        if limp and t0 < abs(M[head.tension + 2 * node + 1]):
+        if is_limp(edge) and t0 < abs(M[head.tension + 2 * node + 1]):
             mean, slope = strain_rate(I, M, node)
             edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
         elif edge.damping_full == 0.0 or edge.flexible == 0.0:

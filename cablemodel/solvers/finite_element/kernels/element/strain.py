@@ -40,14 +40,18 @@ def strain_aside(edge, tension):
 
 
 @inlined
+def is_limp(edge):
+    """Whether any pressure shortens an element."""
+    return edge.yields > 0.0 and edge.bears == 0.0
+
+
+@inlined
 def folds(M, edge, t0, t1):
     """Whether an element under the tension t0 + t1 P1 bends aside: slack that lies, by more than
     what positions may be wrong by."""
-    if edge.yields == 0.0:
-        return False
-    if edge.bears > 0.0:
-        return t0 - abs(t1) < -edge.bears
-    return t0 < -scalars(M).tolerance * edge.yields
+    if is_limp(edge):
+        return t0 < -scalars(M).tolerance * edge.yields
+    return edge.yields > 0.0 and t0 - abs(t1) < -edge.bears
 
 
 @kernel
