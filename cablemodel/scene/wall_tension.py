@@ -37,7 +37,8 @@ class Surroundings:
     """rho g [N/m3]."""
     sea: Sea | None
     ends: FloatArray
-    """Arc length from the far end to the vessel end of every cable, outermost first (n,) [m]."""
+    """Arc length from the line's end at t = 0 to the vessel end of every cable, outermost first
+    (n,) [m]."""
     areas: FloatArray
     """Of these cables (n,) [m2]."""
     length: float
@@ -54,20 +55,29 @@ class Surroundings:
     def of_line(cls, scene: Any, name: str) -> Surroundings:
         """Those of a line of a system."""
         line = scene.lines[name]
+        drums = {w.at: w.drum_cables for w in scene.winches.values() if w.line == name}
+        beyond = drums.get("end", [])
         cables = [item.cable for item in reversed(line.items) if item.cable is not None]
-        return cls._around(scene, cables, line.length, sea(scene))
+        cables = [*reversed(beyond), *cables, *drums.get("start", [])]
+        inboard = math.fsum(cable.length for cable in beyond)
+        return cls._around(scene, cables, line.length, sea(scene), inboard)
 
     @classmethod
     def _around(
-        cls, scene: Any, cables: list[Cable], length: float, waves: Sea | None
+        cls,
+        scene: Any,
+        cables: list[Cable],
+        length: float,
+        waves: Sea | None,
+        inboard: float = 0.0,
     ) -> Surroundings:
-        """cables: outermost first."""
+        """cables: outermost first; of them so much [m] is on a drum at the line's end."""
         diameters = np.array([scene.cable_types[cable.type].diameter for cable in cables])
         environment = scene.environment
         return cls(
             weight=environment.water_density * environment.gravity,
             sea=waves,
-            ends=np.cumsum([cable.length for cable in cables]),
+            ends=np.cumsum([cable.length for cable in cables]) - inboard,
             areas=0.25 * math.pi * diameters**2,
             length=length,
         )

@@ -183,4 +183,4 @@ def cable_of(scene: SystemScene, line: str, item: int) -> Cable:
 
 def mesh_may_change(scene: SystemScene) -> bool:
     """Whether no line asks for a number of elements."""
-    return all(cable.elements is None for cable in scene.cables)
+    return all(cable.elements is None for cable in (*scene.cables, *scene.drum_cables))

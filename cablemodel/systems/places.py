@@ -10,7 +10,6 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built, Shape
 from cablemodel.systems.guess import Guess, axes_of
-from cablemodel.systems.lines import cable_of
 from cablemodel.systems.motion import first_angles
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
@@ -106,7 +105,7 @@ def refined(
     for k in range(len(found.node)):
         segment = tree.segments[found.segment[k]]
         allowed = REFINEMENT_BENT * scene.solver.tolerance * scene.lines[segment.line].length
-        if indicator[k] > allowed and cable_of(scene, segment.line, segment.cable).elements is None:
+        if indicator[k] > allowed and segment.cable.elements is None:
             split.setdefault(segment.line, set()).add(float(found.start[k] + 0.5 * found.length[k]))
     if not split or built.nodes > LARGEST_STATIC_MESH:
         return None

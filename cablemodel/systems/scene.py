@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -411,6 +411,18 @@ class Cut(SceneModel):
     )
 
 
+_AS_IN_THE_LINE = ""
+"""Type of a cable on a drum of which only the length is given."""
+_DRUM = Quantity("m", at_least=0)
+
+
+def _wound(value: Any) -> Any:
+    if isinstance(value, (int, float, str)):
+        length = _DRUM(value)
+        return [{"cable": {"type": _AS_IN_THE_LINE, "length": length}}] if length > 0.0 else []
+    return value
+
+
 class SystemWinch(SceneModel):
     """A winch at a vessel's point, where a line begins or ends."""
 
@@ -422,15 +434,38 @@ class SystemWinch(SceneModel):
         "time, linear between its rows, that holds its first and last value",
         json_schema_extra=also(Quantity("m/s").json_schema()),
     )
-    drum: Annotated[float, Quantity("m", at_least=0)] = Field(
-        default=0.0, description="length on the drum, of the cable at that end of the line"
+    drum: Annotated[tuple[LineItem, ...], BeforeValidator(_wound)] = Field(
+        default=(),
+        description="cables and point bodies on the drum in the order in which they leave it, the "
+        "last one a cable; or one length, of the cable at that end of the line",
+        json_schema_extra=also(_DRUM.json_schema()),
     )
+
+    @property
+    def drum_cables(self) -> list[Cable]:
+        """The cables on the drum at t = 0, in the order in which they leave it."""
+        return [item.cable for item in self.drum if item.cable is not None]
+
+    @property
+    def drum_length(self) -> float:
+        """Cable on the drum at t = 0 [m]."""
+        return math.fsum(cable.length for cable in self.drum_cables)
+
+    def wound_with(self, like: Cable) -> SystemWinch:
+        """The same with a cable on the drum in place of a length."""
+        drum = tuple(
+            LineItem(cable=like.model_copy(update={"length": item.cable.length, "elements": None}))
+            if item.cable is not None and item.cable.type == _AS_IN_THE_LINE
+            else item
+            for item in self.drum
+        )
+        return self.model_copy(update={"drum": drum})
 
     @property
     def rate_at_start(self) -> float:
         """At t = 0 [m/s]; an empty drum pays out nothing."""
         rate = float(np.interp(0.0, [row.t for row in self.rate], [row.rate for row in self.rate]))
-        return rate if self.drum > 0.0 else min(rate, 0.0)
+        return rate if self.drum_length > 0.0 else min(rate, 0.0)
 
 
 class SystemScene(Document):
@@ -461,8 +496,8 @@ class SystemScene(Document):
 
     @property
     def drum_cables(self) -> list[Cable]:
-        """None: a winch pays out more of the cable at its end of the line."""
-        return []
+        """All cables on drums at t = 0."""
+        return [cable for winch in self.winches.values() for cable in winch.drum_cables]
 
     def cuts_along(self, line: str) -> list[float]:
         """Arc lengths between the ends of a line at which it may be cut, in order [m]."""
@@ -470,8 +505,8 @@ class SystemScene(Document):
         return sorted({place for place in places if isinstance(place, float)})
 
     def joints_along(self, line: str) -> list[float]:
-        """Arc lengths between the ends of a line at which tension or slope may jump, in order [m]:
-        cuts, branches, bodies, and where another cable begins."""
+        """Arc lengths from where a line begins now at which tension or slope may jump, in order
+        [m]: cuts, branches, bodies, and where another cable begins, on drums too."""
         places = {*self.cuts_along(line)}
         ends = (end for other in self.lines.values() for end in other.ends)
         places |= {end.at for end in ends if end.line == line and end.at is not None}
@@ -479,7 +514,15 @@ class SystemScene(Document):
         for item in self.lines[line].items:
             arc += item.cable.length if item.cable is not None else 0.0
             places.add(arc)
-        return sorted(places - {0.0, arc})
+        places -= {0.0, arc}
+        for winch in self.winches.values():
+            if winch.line != line:
+                continue
+            way, place = (-1.0, 0.0) if winch.at == "start" else (1.0, arc)
+            for item in winch.drum:
+                places.add(place)
+                place += way * item.cable.length if item.cable is not None else 0.0
+        return sorted(places)
 
     def held_with(self, line: str) -> list[str]:
         """Where vessels and anchors hold a line, and all that is tied to it: names of the ends."""
@@ -536,6 +579,11 @@ class SystemScene(Document):
         density, gravity = self.environment.water_density, self.environment.gravity
         for name, kind in list(self.cable_types.items()):
             self.cable_types[name] = kind.resolved(density, gravity)
+        for name, winch in list(self.winches.items()):
+            line = self.lines.get(winch.line)
+            cables = [] if line is None else [item.cable for item in line.items if item.cable]
+            if cables:
+                self.winches[name] = winch.wound_with(cables[0 if winch.at == "start" else -1])
         problems = list(self._problems())
         if problems:
             raise several(problems)
@@ -558,18 +606,9 @@ class SystemScene(Document):
             path = f"lines.{name}"
             if not any(item.cable for item in line.items):
                 yield SceneProblem(f"{path}.items", None, "no cable", "at least one cable")
+            yield from self._item_problems(f"{path}.items", line.items)
             for index, item in enumerate(line.items):
                 at = f"{path}.items.{index}"
-                if item.cable is not None and item.cable.type not in self.cable_types:
-                    problem = f"{shown(item.cable.type)} is not one of the cable types"
-                    known = ", ".join(self.cable_types)
-                    yield SceneProblem(f"{at}.cable.type", item.cable.type, problem, known)
-                if item.body is not None and item.body.half_length > 0.0:
-                    problem = "a body with length in a line of a system"
-                    allowed = "a body of its own in bodies, or half_length: 0"
-                    yield SceneProblem(
-                        f"{at}.body.half_length", item.body.half_length, problem, allowed
-                    )
                 ends_item = index in (0, len(line.items) - 1)
                 if item.body is not None and ends_item and line.ends[index != 0].point is not None:
                     problem = "a body where the line is attached"
@@ -590,6 +629,22 @@ class SystemScene(Document):
         yield from self._floor_problems()
         yield from self._cut_problems()
         yield from self._winch_problems()
+
+    def _item_problems(self, path: str, items: Sequence[LineItem]) -> Iterator[SceneProblem]:
+        """Of what is in a line or on a drum."""
+        for index, item in enumerate(items):
+            at = f"{path}.{index}"
+            if item.cable is not None and item.cable.type not in self.cable_types:
+                problem = f"{shown(item.cable.type)} is not one of the cable types"
+                known = ", ".join(self.cable_types)
+                yield SceneProblem(f"{at}.cable.type", item.cable.type, problem, known)
+            if item.body is not None and item.body.half_length > 0.0:
+                problem = "a body with length in a line of a system"
+                allowed = "a body of its own in bodies, or half_length: 0"
+                length = item.body.half_length
+                yield SceneProblem(f"{at}.body.half_length", length, problem, allowed)
+            if index > 0 and item.body is not None and items[index - 1].body is not None:
+                yield SceneProblem(at, None, "two bodies in a row", "a cable between them")
 
     def _cut_problems(self) -> Iterator[SceneProblem]:
         for name, cut in self.cuts.items():
@@ -626,6 +681,10 @@ class SystemScene(Document):
             if owner not in self.vessels:
                 problem = f"{winch.line} is not held by a vessel at its {winch.at}"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end at a vessel's point")
+            yield from self._item_problems(f"{path}.drum", winch.drum)
+            if winch.drum and winch.drum[-1].body is not None:
+                last = f"{path}.drum.{len(winch.drum) - 1}"
+                yield SceneProblem(last, None, "a body is wound up last", "a cable last")
             if end.clamped is not None:
                 problem = "cable that runs past a clamp is not computed in a system"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.scene.environment import Floor
+from cablemodel.scene.line import Cable
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import waves
@@ -17,14 +18,18 @@ from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_SPARE
 from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.solvers.finite_element.start.sea_floor import table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
-from cablemodel.solvers.finite_element.start.winch import SHORTEST_LINE, WINCH_SPARE_NODES
+from cablemodel.solvers.finite_element.start.winch import (
+    JOINT_SPARE_NODES,
+    SHORTEST_LINE,
+    SHORTEST_PIECE,
+    WINCH_SPARE_NODES,
+)
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
     bends_at,
-    cable_of,
     memory_of_bodies,
     mesh_may_change,
     start_of,
@@ -42,9 +47,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     current = scene.environment.current
     water = sea(scene)
     foils = [foil for body in scene.bodies.values() for foil in body.foils.values()]
-    types = [
-        scene.cable_types[cable_of(scene, part.line, part.cable).type] for part in tree.segments
-    ]
+    types = [scene.cable_types[part.cable.type] for part in tree.segments]
     nodes = len(tree.parent)
     spare = (
         REFINEMENT_SPARE[0] + math.ceil(REFINEMENT_SPARE[1] * nodes)
@@ -148,7 +151,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
     table = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
     used = 0
     for index, (segment, row) in enumerate(zip(tree.segments, table, strict=True)):
-        cable = cable_of(scene, segment.line, segment.cable)
+        cable = segment.cable
         kind = scene.cable_types[cable.type]
         strain[used : used + len(kind.strain_coefficients)] = kind.strain_coefficients
         offset = int(block.header.strain) + used
@@ -158,6 +161,10 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.Cable.tension] = weight_of(scene, segment.line)
         row[at.Cable.row] = list(scene.lines).index(segment.line)
         row[at.Cable.backward] = segment.backward
+        row[at.Cable.chain] = segment.chain
+        row[at.Cable.leaves] = segment.end
+        row[at.Cable.hinge] = segment.hinged
+        row[at.Cable.body] = segment.mass
         edge = row[at.Cable.edge :]
         edge[:] = edge_row(scene, cable, index, offset, scale)
         note_choices(block, edge)
@@ -170,8 +177,8 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         start = -element.start - element.length if backward else element.start
         edges[node, at.Edge.start] = start
     bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
-    for row, (node, body, _line, _item) in zip(bodies, tree.masses, strict=True):
-        fill_body(row, node, body, rho)
+    for row, mass in zip(bodies, tree.masses, strict=True):
+        fill_body(row, mass.node, mass.body, rho)
 
 
 def weight_of(scene: SystemScene, name: str) -> float:
@@ -185,13 +192,27 @@ def weight_of(scene: SystemScene, name: str) -> float:
 
 
 def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
-    """Nodes that what is on the drums needs, in elements as long as their line's at first."""
+    """Nodes that what is on the drums needs."""
     count = 0
     for winch in scene.winches.values():
-        of_line = [e for e in tree.elements.values() if tree.segments[e.segment].line == winch.line]
-        mean = scene.lines[winch.line].length / len(of_line)
-        count += WINCH_SPARE_NODES + math.ceil(winch.drum / mean)
+        mean = mean_element(scene, tree, winch.line)
+        count += WINCH_SPARE_NODES
+        for item in winch.drum:
+            if item.cable is not None:
+                elements = item.cable.length / size_on_drum(item.cable, mean)
+                count += JOINT_SPARE_NODES + math.ceil(elements)
     return count
+
+
+def mean_element(scene: SystemScene, tree: Tree, line: str) -> float:
+    """Length of an element of a line at first, on average [m]."""
+    count = sum(tree.segments[e.segment].line == line for e in tree.elements.values())
+    return scene.lines[line].length / count
+
+
+def size_on_drum(cable: Cable, usual: float) -> float:
+    """Length of the elements in which a cable leaves a drum [m]."""
+    return usual if cable.elements is None else cable.length / cable.elements
 
 
 def fill_winches(scene: SystemScene, built: Built) -> None:
@@ -208,26 +229,42 @@ def fill_winches(scene: SystemScene, built: Built) -> None:
     for line_row in built.line_rows.values():
         line_row.winch = -1.0
     for number, winch in enumerate(scene.winches.values()):
-        line = scene.lines[winch.line]
         if winch.at == "start":
             built.line_rows[winch.line].winch = number
-        end = line.end_at(winch.at)
-        held = next(h for h in tree.held if h.line == winch.line and h.end is end)
-        top = held.node + 1 if held.outward else held.node
-        segment = tree.elements[top].segment
-        own = [element for element in tree.elements.values() if element.segment == segment]
-        length = math.fsum(element.length for element in own)
-        cables[segment, at.Cable.nominal] = length / len(own)
+        held = tree.held_at(scene, winch)
+        top = at.Edge(edges[held.top], 0)
         row = built.winch(number)
         row.node, row.way = held.node, 1.0 if held.outward else -1.0
-        row.start = edges[top, at.Edge.start]
-        row.top_length = edges[top, at.Edge.length]
-        row.cable = segment
-        row.travel_most = row.paid_most = winch.drum
-        cables[segment, at.Cable.shortest] = shortest = SHORTEST_LINE * line.length
-        row.travel_least = row.paid_least = min(0.0, shortest - length)
+        row.start = top.start if held.outward else top.start + top.length
+        row.top_length = top.length
+        row.cable = segment = tree.elements[held.top].segment
+        row.off_drum = -row.way
+        row.travel_most = row.paid_most = winch.drum_length
+        row.shortest = SHORTEST_LINE * scene.lines[winch.line].length
+        out = fill_chain(scene, tree, cables, tree.segments[segment].chain)
+        row.travel_least = row.paid_least = min(0.0, row.shortest - out)
         row.first_rate, row.rates = first, len(winch.rate)
         first += len(winch.rate)
+
+
+def fill_chain(scene: SystemScene, tree: Tree, cables: FloatArray, chain: int) -> float:
+    """Elements in which the cables of a chain pass a winch; how much of them is out [m].
+
+    cables: the table of all.
+    """
+    length = 0.0
+    for number, part in enumerate(tree.segments):
+        if part.chain != chain:
+            continue
+        own = [e.length for e in tree.elements.values() if e.segment == number]
+        size = size_on_drum(part.cable, mean_element(scene, tree, part.line))
+        if own:
+            size = math.fsum(own) / len(own)
+        row = cables[number]
+        row[at.Cable.nominal] = row[at.Cable.edge.word + at.Edge.nominal.word] = size
+        row[at.Cable.shortest] = SHORTEST_PIECE * min(size, part.cable.length)
+        length += math.fsum(own)
+    return length
 
 
 def fill_frames(scene: SystemScene, block: Block) -> None:

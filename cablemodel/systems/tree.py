@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from cablemodel.scene.line import Body, Cable
 from cablemodel.solvers.finite_element.start.line import hinged
 from cablemodel.solvers.shared import layout as at
-from cablemodel.systems.lines import bends_at
-from cablemodel.systems.scene import LineEnd, SystemScene
+from cablemodel.systems.lines import bends_at, cable_of
+from cablemodel.systems.scene import LineEnd, SystemScene, SystemWinch
 
 FloatArray = NDArray[np.float64]
 
@@ -34,16 +34,42 @@ class Held:
     outward: bool
     """The tree goes from this end along the line, not to it."""
 
+    @property
+    def top(self) -> int:
+        """Node of the element there."""
+        return self.node + 1 if self.outward else self.node
 
-@dataclass(frozen=True)
+
+@dataclass
 class Segment:
-    """A stretch of cable of one kind without branches, within which elements may be joined."""
+    """A stretch of cable of one kind without branches, within which elements may be joined; or
+    cable on a drum, before or after what it follows in the line."""
 
     line: str
-    cable: int
-    """Which item of the line."""
+    cable: Cable
     backward: bool
     """The tree goes along it from the line's end towards its beginning."""
+    chain: int
+    """Segments of one number follow on each other without branches."""
+    end: float = math.nan
+    """Arc length [m] where the tree leaves it, negative where it goes backward along the line."""
+    hinged: bool = False
+    """Its slope at its beginning is its own."""
+    mass: int = -1
+    """Number of the point body there; -1: none."""
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A point body in a line or on a drum."""
+
+    node: int
+    """-1: on a drum."""
+    body: Body
+    owner: str
+    """The line or the winch."""
+    number: int
+    """Which of its bodies, from 1: along the line, or in the order in which they leave."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +102,12 @@ class Tree:
     """Nodes at what is in the tree before: node, body and its point, or line and arc length."""
     clamps: list[tuple[int, str, FloatArray]] = field(default_factory=list)
     """Nodes whose slope a body turns: node, body, direction along the tree in its axes (3,)."""
-    masses: list[tuple[int, Body, str, int]] = field(default_factory=list)
-    """Point bodies in lines: node, body, line, item."""
+    masses: list[Mass] = field(default_factory=list)
+
+    def held_at(self, scene: SystemScene, winch: SystemWinch) -> Held:
+        """Where a winch is."""
+        end = scene.lines[winch.line].end_at(winch.at)
+        return next(held for held in self.held if held.line == winch.line and held.end is end)
 
     def add(self, parent: int, joint: int, place: tuple[str, float]) -> int:
         """A new node's number."""
@@ -93,6 +123,7 @@ class _Builder:
         self.nodes = nodes
         self.tree = Tree()
         self.placed: set[str] = set()
+        self.chains = 0
 
     def build(self) -> Tree:
         """All parts, those that are held first."""
@@ -106,6 +137,7 @@ class _Builder:
                         self._place_body(end.owner, -1, "")
                     else:
                         self._begin(name, side)
+        self._wind_up()
         return self.tree
 
     def _kind(self, end: LineEnd) -> str:
@@ -153,18 +185,23 @@ class _Builder:
         tree, line = self.tree, self.scene.lines[name]
         backward = stop < start
         branches: list[tuple[int, str, int]] = []
-        segment = Segment(name, -1, backward)
+        self.chains += 1
+        before = -1
         parts = False
         for item, left, right, jumps, mass in self._pieces(name, start, stop):
-            if parts or item != segment.cable:
-                segment = Segment(name, item, backward)
-                tree.segments.append(segment)
+            if parts or item != before:
+                self.chains += parts
+                cable = cable_of(self.scene, name, item)
+                tree.segments.append(Segment(name, cable, backward, self.chains, hinged=jumps))
+                before = item
             if jumps or (parts and self._hinged(name, item, item, body=True)):
                 node = tree.add(node, at.JOINT_HINGE, (name, left))
             if mass is not None:
-                tree.masses.append((node, mass[1], name, mass[0]))
+                tree.segments[-1].mass = len(tree.masses)
+                tree.masses.append(self._mass(node, name, mass[0]))
             node = tree.add(node, at.JOINT_NONE, (name, right))
             index = len(tree.segments) - 1
+            tree.segments[index].end = -right if backward else right
             tree.elements[node] = Element(index, min(left, right), abs(right - left))
             joined = [(node, *branch) for branch in self._branches(name, right)]
             branches += joined
@@ -173,7 +210,7 @@ class _Builder:
         side = 0 if backward else 1
         if last.body is not None:
             index = 0 if backward else len(line.items) - 1
-            tree.masses.append((node, last.body, name, index))
+            tree.masses.append(self._mass(node, name, index))
         self._finish(name, side, node)
         for junction, other, other_side in branches:
             if other in self.placed:
@@ -182,6 +219,67 @@ class _Builder:
             arc = self.scene.lines[other].length if other_side else 0.0
             branch = tree.add(junction, at.JOINT_HINGE, (other, arc))
             self._run(other, branch, arc, 0.0 if other_side else self.scene.lines[other].length)
+
+    def _mass(self, node: int, name: str, item: int) -> Mass:
+        """The point body that is an item of a line, at a node."""
+        items = self.scene.lines[name].items
+        body = items[item].body
+        assert body is not None
+        return Mass(node, body, name, sum(other.body is not None for other in items[: item + 1]))
+
+    def _wind_up(self) -> None:
+        """Put what is on drums beside the segments from which it goes on."""
+        tree = self.tree
+        beside: dict[tuple[int, bool], list[Segment]] = {}
+        for name, winch in self.scene.winches.items():
+            held = tree.held_at(self.scene, winch)
+            top = tree.elements[held.top].segment
+            beside[top, held.outward] = self._wound(name, winch, top, held.outward)
+        segments: list[Segment] = []
+        numbers: list[int] = []
+        for index, segment in enumerate(tree.segments):
+            segments += reversed(beside.get((index, True), []))
+            numbers.append(len(segments))
+            segments += [segment, *beside.get((index, False), [])]
+        tree.segments = segments
+        for node, element in tree.elements.items():
+            tree.elements[node] = replace(element, segment=numbers[element.segment])
+
+    def _wound(self, name: str, winch: SystemWinch, top: int, outward: bool) -> list[Segment]:
+        """Segments on a drum in the order in which they leave; what goes on as the segment at the
+        winch did is a part of that.
+
+        outward: the tree goes on from the winch, so that what follows comes before.
+        """
+        tree = self.tree
+        last = tree.segments[top]
+        place = last.end
+        if outward:
+            place -= math.fsum(e.length for e in tree.elements.values() if e.segment == top)
+        found: list[Segment] = []
+        body: Body | None = None
+        for item in winch.drum:
+            cable = item.cable
+            if cable is None:
+                body = item.body
+                continue
+            kinds = (cable.type, cable.model), (last.cable.type, last.cable.model)
+            alike = kinds[0] == kinds[1] and cable.elements is None
+            if body is not None or not alike:
+                new = Segment(last.line, cable, last.backward, last.chain, end=place)
+                inner = last if outward else new
+                inner.hinged = hinged(self.scene, last.cable, cable, body is not None)
+                if body is not None:
+                    inner.mass = len(tree.masses)
+                    number = 1 + sum(mass.owner == name for mass in tree.masses)
+                    tree.masses.append(Mass(-1, body, name, number))
+                    body = None
+                found.append(new)
+                last = new
+            place += -cable.length if outward else cable.length
+            if not outward:
+                last.end = place
+        return found
 
     def _clamp(self, name: str, side: int, node: int, body: str, *, outward: bool) -> None:
         """The clamp of a line's end at a body, unless its cable passes no moment."""
@@ -261,13 +359,8 @@ class _Builder:
 
     def _hinged(self, name: str, one: int, other: int, *, body: bool) -> bool:
         """Whether the slope may jump from one cable to the next. body: a force acts between."""
-        cables = self._cable(name, one), self._cable(name, other)
+        cables = cable_of(self.scene, name, one), cable_of(self.scene, name, other)
         return hinged(self.scene, *cables, body)
-
-    def _cable(self, name: str, index: int) -> Cable:
-        cable = self.scene.lines[name].items[index].cable
-        assert cable is not None
-        return cable
 
 
 def tree_of(scene: SystemScene, nodes: dict[str, list[FloatArray]]) -> Tree:

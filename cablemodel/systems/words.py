@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from cablemodel.scene.line import LineItem
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import LineEnd, SystemScene
 
@@ -21,6 +22,17 @@ def _place(end: LineEnd) -> str:
     if end.line is not None:
         return f"{end.line} at {end.at:g} m"
     return "a free end"
+
+
+def _items(items: Iterable[LineItem]) -> str:
+    """Cables and bodies in their order."""
+    words = []
+    for item in items:
+        if item.cable is not None:
+            words.append(f"{item.cable.length:g} m of {item.cable.type}")
+        elif item.body is not None:
+            words.append(f"body {item.body.name or ''}".strip())
+    return ", ".join(words)
 
 
 def topology(scene: SystemScene) -> Iterator[str]:
@@ -41,16 +53,12 @@ def topology(scene: SystemScene) -> Iterator[str]:
         wings = f", foils {', '.join(body.foils)}" if body.foils else ""
         yield f"body {name}, {body.mass:g} kg: held by {', '.join(tied)}{wings}"
     for name, line in scene.lines.items():
-        parts = []
-        for item in line.items:
-            if item.cable is not None:
-                parts.append(f"{item.cable.length:g} m of {item.cable.type}")
-            elif item.body is not None:
-                parts.append(f"body {item.body.name or ''}".strip())
-        yield f"line {name}: from {_place(line.start)} to {_place(line.end)}: {', '.join(parts)}"
+        parts = _items(line.items)
+        yield f"line {name}: from {_place(line.start)} to {_place(line.end)}: {parts}"
     for name, winch in scene.winches.items():
         place = "beginning" if winch.at == "start" else "end"
-        yield f"winch {name}: at the {place} of {winch.line}, {winch.drum:g} m on its drum"
+        drum = _items(winch.drum) or "nothing"
+        yield f"winch {name}: at the {place} of {winch.line}, on its drum {drum}"
 
 
 def at_start(model: SystemModel) -> Iterator[str]:

@@ -110,13 +110,13 @@ def starts(scene: SystemScene) -> list[Signal]:
 
 
 def coefficients(scene: SystemScene, built: Built) -> list[Coefficient]:
-    """Of cable types; of bodies in lines, counted from each line's beginning; of free bodies, but
+    """Of cable types; of bodies in lines, counted from each line's beginning, and of those on each
+    winch's drum, in the order in which they leave; of free bodies, but
     for the weights of those that stand on the floor or displace water by their hulls."""
     found = Coefficients(scene)
-    found.add_types(scene, {cable.type for cable in scene.cables})
-    for row, (_node, body, line, item) in enumerate(built.tree.masses):
-        before = sum(other.body is not None for other in scene.lines[line].items[:item])
-        found.add_body(f"{line}.body[{before + 1}].", body, row)
+    found.add_types(scene, {cable.type for cable in (*scene.cables, *scene.drum_cables)})
+    for row, mass in enumerate(built.tree.masses):
+        found.add_body(f"{mass.owner}.body[{mass.number}].", mass.body, row)
     drag, weight = FREE_BODY_PARAMETERS
     rho, floor = scene.environment.water_density, scene.environment.floor
     for index, (name, free) in enumerate(scene.bodies.items()):

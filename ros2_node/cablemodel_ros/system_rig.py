@@ -286,7 +286,7 @@ class SystemRig:
 
     def command_findings(self) -> Iterator[str]:
         for name in sorted(self._idle):
-            has_drum = self.scene.winches[name].drum > 0.0
+            has_drum = self.scene.winches[name].drum_length > 0.0
             why = "the drum is empty" if has_drum else f"winches.{name} has no drum"
             yield f"{self._parts.topics[name]} asks for cable, and {why}"
 

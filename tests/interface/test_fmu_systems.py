@@ -328,6 +328,38 @@ def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
         slave.close()
 
 
+def test_cables_and_a_body_on_a_drum(tmp_path: Path) -> None:
+    """They come out and go in again, with the same bits; the body's coefficients are parameters."""
+    body = {"mass": 20.0, "submerged_weight": 150.0, "drag_area": 0.1}
+    rate = [{"t": t, "rate": v} for t, v in ((0, 0), (1, 1), (16, 1), (18, -1), (36, -1))]
+
+    def wound(weight: float) -> cm.SystemScene:
+        drum = [wire(2), {"body": {**body, "submerged_weight": weight}}, wire(20)]
+        winches = {"hoist": {"line": "wire", "drum": drum, "rate": rate}}
+        return still(cuts={}, winches=winches)
+
+    name = "hoist.body[1].submerged_weight"
+    with unpacked(wound(150.0), tmp_path, stations=STATIONS) as found:
+        slave, model = Slave(*found, use_scene_inputs=True), SystemModel(wound(150.0))
+        heavy, heavier = (
+            Slave(*found, use_scene_inputs=True, **{name: 450}),
+            SystemModel(wound(450)),
+        )
+        assert slave.get(name) == 150.0
+        assert heavy.get(name) == 450.0
+        for _step in range(9):
+            for one in (slave, heavy, model, heavier):
+                one.step(4.0)
+            assert_same_bits(slave, model)
+            top = heavy.get("wire.tension.start")  # from a start that was found anew
+            assert top == pytest.approx(heavier.lines["wire"].start_tension, rel=0.01)
+            if slave.time == 16.0:
+                assert top - slave.get("wire.tension.start") > 200.0
+        assert model.winches["hoist"].limit == "free"
+        slave.close()
+        heavy.close()
+
+
 def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path: Path) -> None:
     """Of each winch by itself, once."""
     lines = still().to_dict()["lines"]

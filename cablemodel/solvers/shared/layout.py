@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 20
+VERSION = 21
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -343,7 +343,7 @@ class Winch(Record):
 
     node = real("where it is; -1: its line has been cut off")
     way = real("+1: the tree goes on from there, -1: it comes to there")
-    start = real("what edges' `start` counts there when no cable has passed", "m")
+    start = real("what edges' `start` counts at the node when no cable has passed", "m")
     travel = real("all that has passed", "m")
     travel_most = real("largest `travel`", "m")
     travel_least = real("smallest `travel`", "m")
@@ -358,6 +358,8 @@ class Winch(Record):
     top_length = real("of the top element, or of what is out of a body, at `time`", "m")
     passing_body = real("1 + row of the body of finite length that passes, 0: none")
     cable = real("row of the cable that passes")
+    off_drum = real("+1 or -1: from a cable's row to that of the next one off the drum")
+    shortest = real("length that reeling in leaves of what may pass", "m")
     at_limit = real("+1: the drum is empty, -1: the shortest length is reached, 0: neither")
     live = real("LIVE_NOT, LIVE or LIVE_RETURNS: what drives it")
     live_rate = part(Ramp, "the caller's rate [m/s]")
@@ -366,6 +368,7 @@ class Winch(Record):
 
 
 WINCH_WORDS = Winch.WORDS
+OFF_THE_DRUM, ALONG_THE_LINE = 1, -1  # where the next cable is
 
 
 class Matter(Record):
@@ -389,13 +392,14 @@ RATE_WORDS = Rate.WORDS
 
 
 class Cable(Record):
-    """A cable of the line or of the drum, in the order in which they pass the tow point."""
+    """A cable of a line or of a drum, in the order in which they pass the tow point."""
 
-    leaves = real("travel at which its vessel end passes the tow point", "m")
+    chain = real("of the cables that follow on each other past a winch; all of a line of one")
+    leaves = real("where the joint to the row after it is, by the winch's travel or `start`", "m")
     nominal = real("length of its elements", "m")
-    shortest = real("length below which its lower end stays on the drum", "m")
-    hinge = real("1: its lower end is a hinge, 0: the slope is shared")
-    body = real("row of the body at its lower end, -1: none")
+    shortest = real("length of it that is out before the joint after it leaves the drum", "m")
+    hinge = real("1: the joint to the row before it is a hinge, 0: the slope is shared")
+    body = real("row of the body there, -1: none")
     displaced = real("mass of the water that it displaces", "kg/m")
     line = real("unstretched length of the line that it is a part of, in a system", "m")
     tension = real("largest so far in it, in a system; at least that line's weight", "N")

@@ -52,6 +52,7 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         if may_fold_unseen(scene, cable):
             block.header.limp = 1
     block.winch.cable = len(scene.cables) - 1
+    block.winch.off_drum = 1.0
 
 
 def may_fold_unseen(scene: Scene, cable: Cable) -> bool:

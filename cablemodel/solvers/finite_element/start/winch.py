@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 WINCH_SPARE_NODES = 12
 """For joints at the vessel, and for a short line that is paid out again."""
+JOINT_SPARE_NODES = 6
+"""For each cable on the drum."""
 SHORTEST_LINE = 0.01
 """Of the initial length: what reel-in leaves out."""
 SHORTEST_PIECE = 0.01
@@ -78,7 +80,7 @@ def winch_of(scene: Scene, line: Line, drum_room: float) -> Winch:
         winch.most_travel += cable.length
         top = winch.cables[-1]
         size = usual if cable.elements is None else cable.length / cable.elements
-        winch.extra_nodes += math.ceil(drum_room * cable.length / size) + 6
+        winch.extra_nodes += math.ceil(drum_room * cable.length / size) + JOINT_SPARE_NODES
         if body >= 0 or (top.type, top.model) != (cable.type, cable.model):
             _add_cable(scene, winch, cable, winch.most_travel, size, body)
         else:

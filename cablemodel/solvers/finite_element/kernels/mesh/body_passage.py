@@ -55,7 +55,7 @@ def part_row(I):
 def body_above(I, M, cable):
     """Row of the body of finite length at the vessel's end of a cable of the winch, or -1."""
     head = header(I)
-    if cable + 1 >= head.cable_count:
+    if head.rigid == 0 or cable + 1 >= head.cable_count:
         return -1
     body = int(cable_of(I, M, cable + 1).body)
     if body < 0:

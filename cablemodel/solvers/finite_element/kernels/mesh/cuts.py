@@ -48,15 +48,16 @@ AT_A_NODE = 1e-6  # of an element: a place so near its end is there
 
 @kernel
 def element_of_cut(I, M, row):
-    """The node of the element that a cut is in, and the fraction of it from its parent's end."""
+    """The node of the element that a cut is in, and the fraction of it from its parent's end; 0:
+    its place is on a drum."""
     head = header(I)
-    segment = row.segment
+    chain = cable_of(I, M, int(row.segment)).chain
     side = int(row.side)
     found = 0
     best = 0.0
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
-        if I[head.joint + node] != 0 or edge.segment != segment:
+        if I[head.joint + node] != 0 or cable_of(I, M, int(edge.segment)).chain != chain:
             continue
         start = edge.start
         if side == CUT_START:
@@ -71,8 +72,10 @@ def element_of_cut(I, M, row):
         return found, 0.0
     if side == CUT_END:
         return found, 1.0
+    if found == 0:
+        return 0, 0.0
     x = (row.arc - best) / edge_of(I, M, found).length
-    return found, min(1.0, max(0.0, x))
+    return found if x < 1.0 + AT_A_NODE else 0, min(1.0, x)
 
 
 @kernel
@@ -107,6 +110,8 @@ def share_before_a_break(I, M):
         if row.done < 1e300 or not row.tension < 1e300:
             continue
         node, x = element_of_cut(I, M, row)
+        if node == 0:
+            continue
         limit = row.tension - damping_there(I, M, node, x)
         before = tension_there(M, head.tension, node, x)
         after = tension_there(M, head.trial_tension, node, x)
@@ -160,21 +165,23 @@ def let_go_of_winch(I, M, node):
 
 @kernel
 def shorten_lines(I, M):
-    """After a cut a winch takes in no more of its cable than is left of it."""
-    for n in range(header(I).winch_count):
+    """After a cut a winch takes in no more of its cables than is left of them."""
+    head = header(I)
+    for n in range(head.winch_count):
         winch = winch_of(I, M, n)
         if winch.node < 0.0:
             continue
         edge = top_edge(winch)
-        segment = edge_of(I, M, edge).segment
+        chain = cable_of(I, M, int(winch.cable)).chain
         left = winch.top_length
         while True:
             edge = next_along(I, winch, edge)
-            if edge == 0 or edge_of(I, M, edge).segment != segment:
+            cable = cable_of(I, M, int(edge_of(I, M, edge).segment))
+            if edge == 0 or (I[head.joint + edge] == 0 and cable.chain != chain):
                 break
             left += edge_of(I, M, edge).length
-        shortest = cable_of(I, M, int(winch.cable)).shortest
-        winch.travel_least = max(winch.travel_least, winch.travel - max(0.0, left - shortest))
+        left -= winch.shortest
+        winch.travel_least = max(winch.travel_least, winch.travel - max(0.0, left))
 
 
 @kernel
@@ -272,9 +279,11 @@ def make_cuts(I, M):
         row = cut_of(I, M, n)
         if row.done < 1e300:
             continue
+        node, x = element_of_cut(I, M, row)
+        if node == 0:
+            continue  # what is cut on a drum parts where it leaves it
         over = row.ordered != 0.0 or row.time <= state.time
         if not over and row.tension < 1e300:
-            node, x = element_of_cut(I, M, row)
             carries = tension_there(M, head.tension, node, x) + damping_there(I, M, node, x)
             over = carries >= row.tension
         if not over:

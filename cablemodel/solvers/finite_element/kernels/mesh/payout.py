@@ -62,6 +62,30 @@ def top_edge(winch):
 
 
 @kernel
+def next_cable(I, M, winch, way):
+    """Row of the cable that follows on what passes a winch: OFF_THE_DRUM or ALONG_THE_LINE; -1:
+    none does."""
+    cable = int(winch.cable)
+    row = cable + way * int(winch.off_drum)
+    if row < 0 or row >= header(I).cable_count:
+        return -1
+    return row if cable_of(I, M, row).chain == cable_of(I, M, cable).chain else -1
+
+
+@kernel
+def out_of_joint(I, M, winch, other):
+    """How far the joint of the cable that passes and its neighbour in a row is out [m]."""
+    joint = cable_of(I, M, min(int(winch.cable), other))
+    return winch.travel - winch.off_drum * (joint.leaves - winch.start)
+
+
+@inlined
+def joint_to(I, M, winch, other):
+    """The row that says what their joint is like."""
+    return cable_of(I, M, max(int(winch.cable), other))
+
+
+@kernel
 def winch_of_edge(I, M, edge):
     """The winch whose top element that is; -1: none."""
     for n in range(header(I).winch_count):
@@ -111,7 +135,10 @@ def pay_out(I, M, dt):
                 edge.start = winch.start - winch.paid
         for other in range(head.winch_count):
             at_other_end = winch_of(I, M, other)
-            if other != n and at_other_end.cable == winch.cable:
+            if other == n or at_other_end.node < 0.0:
+                continue
+            chain = cable_of(I, M, int(at_other_end.cable)).chain
+            if cable_of(I, M, int(winch.cable)).chain == chain:
                 at_other_end.travel_least -= paid  # what one pays out another may take in
 
 

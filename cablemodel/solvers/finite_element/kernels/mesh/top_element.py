@@ -20,7 +20,10 @@ from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     give_properties,
     hermite,
     join_at,
+    joint_to,
+    next_cable,
     open_gap,
+    out_of_joint,
     split_edge,
     top_edge,
     turn_with_matter,
@@ -33,7 +36,6 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
 from cablemodel.solvers.shared.access import (
     body_at,
     body_of,
-    cable_at,
     cable_of,
     edge_at,
     edge_of,
@@ -45,12 +47,13 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.layout import (
+    ALONG_THE_LINE,
     BODY_WORDS,
-    CABLE_WORDS,
     EDGE_WORDS,
     JOINT_ARM,
     JOINT_BODY,
     NO_CAPACITY,
+    OFF_THE_DRUM,
     OK,
 )
 
@@ -159,33 +162,34 @@ def moved_by_joining(I, M, winch, below):
 @kernel
 def next_change(I, M, n):
     """What a winch asks for next; 0: nothing."""
-    head = header(I)
     winch = winch_of(I, M, n)
     if winch.node < 0.0:
         return 0
     cable = int(winch.cable)
     row = cable_of(I, M, cable)
-    if head.parts == 0 and cable + 1 < head.cable_count:
-        out = winch.travel - row.leaves
+    above = next_cable(I, M, winch, OFF_THE_DRUM)
+    if above >= 0:
+        out = out_of_joint(I, M, winch, above)
         body = body_above(I, M, cable)
         of_body = body_at(M, body)
         if winch.passing_body != 0.0:
             beyond = out - of_body.length
-            if beyond >= (1.0 - TOP_NEARLY) * cable_of(I, M, cable + 1).shortest:
+            if beyond >= (1.0 - TOP_NEARLY) * cable_of(I, M, above).shortest:
                 return CABLE_AFTER_BODY
-            if out <= 0.5 * bare_length(M, of_body, cable_of(I, M, cable + 1)):
+            if out <= 0.5 * bare_length(M, of_body, cable_of(I, M, above)):
                 return BODY_IN
             return 0
         if body >= 0:
-            if out >= (1.0 - TOP_NEARLY) * bare_length(M, of_body, cable_of(I, M, cable + 1)):
+            if out >= (1.0 - TOP_NEARLY) * bare_length(M, of_body, cable_of(I, M, above)):
                 return BODY_OUT
-        elif out >= cable_of(I, M, cable + 1).shortest and out < winch.top_length:
+        elif out >= cable_of(I, M, above).shortest and out < winch.top_length:
             # A joint leaves the vessel once enough of the next cable is out.
             return JOINT_OUT
-    if head.parts == 0 and cable > 0:
+    below = next_cable(I, M, winch, ALONG_THE_LINE)
+    if below >= 0:
         # It is taken back when less than half of that is left.
-        out = winch.travel - cable_of(I, M, cable - 1).leaves
-        body = body_above(I, M, cable - 1)
+        out = out_of_joint(I, M, winch, below)
+        body = body_above(I, M, below)
         of_body = body_at(M, body)
         if body >= 0:
             if out - of_body.length <= 0.5 * row.shortest:
@@ -445,6 +449,48 @@ def divide(I, M, n):
 
 
 @kernel
+def let_joint_leave(I, M, n):
+    """The first bit of the next cable, until now of the top element, becomes an element, and the
+    joint, with what body it has, a node or a hinge."""
+    winch = winch_of(I, M, n)
+    above = next_cable(I, M, winch, OFF_THE_DRUM)
+    joint = joint_to(I, M, winch, above)
+    out = out_of_joint(I, M, winch, above) / winch.top_length
+    node = top_edge(winch)
+    status = split_edge(I, M, node, out if winch.way > 0.0 else 1.0 - out, joint.hinge != 0.0)
+    if status != OK:
+        return status
+    give_properties(I, M, top_edge(winch), above)
+    if joint.body >= 0.0:
+        body_of(I, M, int(joint.body)).node = node
+    winch.cable = above
+    return OK
+
+
+@kernel
+def take_joint(I, M, n):
+    """What is out of the cable above a joint becomes a part of the top element of that below."""
+    head = header(I)
+    winch = winch_of(I, M, n)
+    below = next_cable(I, M, winch, ALONG_THE_LINE)
+    joint = joint_to(I, M, winch, below)
+    if joint.body >= 0.0:
+        body_of(I, M, int(joint.body)).node = -1.0
+    segment = edge_of(I, M, top_edge(winch)).segment
+    while True:
+        after = next_along(I, winch, top_edge(winch))
+        if I[head.joint + after] != 0 or edge_of(I, M, after).segment != segment:
+            break
+        join_at(I, M, middle_of(winch), 1)
+    count = 2 if joint.hinge != 0.0 else 1
+    edge = top_edge(winch)
+    join_at(I, M, edge if winch.way > 0.0 else edge - count, count)
+    give_properties(I, M, top_edge(winch), below)
+    edge_of(I, M, top_edge(winch)).length = winch.top_length
+    winch.cable = below
+
+
+@kernel
 def adapt_tops(I, M):
     """Before a step: let joints and bodies pass the winches, split or join top elements."""
     for n in range(header(I).winch_count):
@@ -456,35 +502,16 @@ def adapt_tops(I, M):
 @kernel
 def adapt_top(I, M, n):
     """The same for one winch."""
-    head = header(I)
     winch = winch_of(I, M, n)
     for _pass in range(64):
         change = next_change(I, M, n)
         if change == 0:
             break
-        cable = int(winch.cable)
-        row = cable_of(I, M, cable)
         status = OK
         if change == JOINT_OUT:
-            above = cable_at(M, word_of(M, row) + CABLE_WORDS)
-            out = winch.travel - row.leaves
-            hinge = above.hinge != 0.0
-            status = split_edge(I, M, 1, out / winch.top_length, hinge)
-            if status == OK:
-                give_properties(I, M, 1, cable + 1)
-                if above.body >= 0.0:
-                    body_of(I, M, int(above.body)).node = 1.0
-                winch.cable = cable + 1
+            status = let_joint_leave(I, M, n)
         elif change == JOINT_IN:
-            if row.body >= 0.0:
-                body_of(I, M, int(row.body)).node = -1.0
-            # All of the upper cable's elements go.
-            while I[head.joint + 2] == 0 and (edge_of(I, M, 2).segment == edge_of(I, M, 1).segment):
-                join_at(I, M, 1, 1)
-            join_at(I, M, 1, 2 if row.hinge != 0.0 else 1)
-            give_properties(I, M, 1, cable - 1)
-            edge_of(I, M, 1).length = winch.top_length
-            winch.cable = cable - 1
+            take_joint(I, M, n)
         elif change == BODY_OUT:
             status = let_body_come(I, M)
         elif change == CABLE_AFTER_BODY:

@@ -19,6 +19,8 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest
 from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     hermite,
     join_at,
+    next_cable,
+    out_of_joint,
     split_edge,
     winch_of_edge,
 )
@@ -41,6 +43,7 @@ from cablemodel.solvers.shared.layout import (
     LAYER,
     NO_CAPACITY,
     NOTHING,
+    OFF_THE_DRUM,
     OK,
 )
 
@@ -301,16 +304,15 @@ def may_be_halved(I, M, node):
 
     The first bit of another cable that has begun to leave the drum lies in the top element.
     """
-    head = header(I)
     state = scalars(M)
     n = moved_by_winch(I, M, node)
     if n < 0:
         return True
     winch = winch_of(I, M, n)
-    cable = int(winch.cable)
     edge = edge_of(I, M, node)
-    row = cable_of(I, M, cable)
-    if head.parts == 0 and cable + 1 < head.cable_count and winch.travel > row.leaves:
+    row = cable_of(I, M, int(winch.cable))
+    above = next_cable(I, M, winch, OFF_THE_DRUM)
+    if above >= 0 and out_of_joint(I, M, winch, above) > 0.0:
         return False
     passed = PASSED * abs(winch.rate) * state.period
     return edge.length > min(SHORTEST_TOP * row.nominal, passed)

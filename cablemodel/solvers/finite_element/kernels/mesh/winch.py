@@ -1,9 +1,10 @@
 """Winches: at what rate lines pass them, until when, and how far a step may go."""
 
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import next_mark
-from cablemodel.solvers.shared.access import cable_of, header, scalars, winch_of
+from cablemodel.solvers.shared.access import cable_of, cut_of, header, scalars, winch_of
 from cablemodel.solvers.shared.compile import kernel
 from cablemodel.solvers.shared.inputs import commanded_rate
+from cablemodel.solvers.shared.layout import CUT_WITHIN
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
@@ -22,6 +23,25 @@ def first_crossing(gap, rate, slope):
     if rate + root <= 0.0:
         return 1e300
     return 2.0 * gap / (rate + root)
+
+
+@kernel
+def next_cut(I, M, winch):
+    """Way of a winch to where what has been cut on its drum leaves it [m]; 1e300: nothing has."""
+    head = header(I)
+    chain = cable_of(I, M, int(winch.cable)).chain
+    way = 1e300
+    for n in range(head.cut_count):
+        row = cut_of(I, M, n)
+        over = row.ordered != 0.0 or row.time <= scalars(M).time
+        if row.done < 1e300 or row.side != CUT_WITHIN or not over:
+            continue
+        if cable_of(I, M, int(row.segment)).chain != chain:
+            continue
+        on_drum = winch.off_drum * (row.arc - winch.start) - winch.travel
+        if on_drum > 0.0:
+            way = min(way, on_drum + cable_of(I, M, int(winch.cable)).shortest)
+    return way
 
 
 @kernel
@@ -61,7 +81,8 @@ def begin_rate(I, M, n, stop):
     winch.slope = slope
     tau = 1e300
     if sign > 0.0:
-        tau = first_crossing(min(most, next_mark(I, M, n, True)), rate, slope)
+        mark = min(next_mark(I, M, n, True), next_cut(I, M, winch))
+        tau = first_crossing(min(most, mark), rate, slope)
     elif sign < 0.0:
         tau = first_crossing(min(least, next_mark(I, M, n, False)), -rate, -slope)
     if tau < 1e299:
