@@ -49,18 +49,8 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         row[at.Cable.edge :] = edge_row(scene, cable, index, offset, scale)
         row[at.Cable.edge.word + at.Edge.nominal.word] = winch.nominal[index]
         note_choices(block, row[at.Cable.edge :])
-        if may_fold_unseen(scene, cable):
-            block.header.limp = 1
     block.winch.cable = len(scene.cables) - 1
     block.winch.off_drum = 1.0
-
-
-def may_fold_unseen(scene: Scene, cable: Cable) -> bool:
-    """Whether what lies of cable that bends may fold within what positions may be wrong by."""
-    if scene.environment.floor is None:
-        return False
-    length = scene.line_length + sum(drum.length for drum in scene.drum_cables)
-    return sea_floor.touchdown_layer(scene, cable) <= scene.solver.tolerance * length
 
 
 def note_choices(block: Block, edge: FloatArray) -> None:

@@ -37,22 +37,11 @@ def push_of(M, edge):
 
 
 @kernel
-def may_be_limp(M, edge, promised):
-    """Whether cable that lies folds within what is promised: it has no bending stiffness, or so
-    little that its folds, some (EI/w)^(1/3) long, are no larger than positions may be wrong by, and
-    push back with no more than tensions may be, `promised` [N]."""
-    if edge.flexible != 0.0:
-        return True
-    state = scalars(M)
-    unseen = touchdown_layer(M, edge) <= state.tolerance * state.length
-    return unseen and push_of(M, edge) <= promised
-
-
-@kernel
 def has_slack(I, M, promised):
-    """Whether cable of one line that may be limp is slack: where it lies its material is pressed,
-    or would be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than
-    half of what folds of its bending push back with. What hangs may be pressed by a blow."""
+    """Whether flexible cable of one line is slack: where it lies its material is pressed, or would
+    be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than half of
+    what folds of its least bending push back with. What hangs may be pressed by a blow; cable that
+    bends and lies straight may bear more than its folds do."""
     head = header(I)
     q = view(M, head.position, 2 * head.dimension * head.nodes)
     if head.parts != 0 or not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
@@ -62,13 +51,14 @@ def has_slack(I, M, promised):
         if pressure <= 0.0 or I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
+        if edge.flexible == 0.0:
+            continue
         if is_limp(edge):
             pressure /= edge.yields * edge.compliance
         elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
             continue
-        if pressure > promised and may_be_limp(M, edge, promised):
-            if pressure > 0.5 * push_of(M, edge):
-                return True
+        if pressure > promised and pressure > 0.5 * push_of(M, edge):
+            return True
     return False
 
 
@@ -95,9 +85,11 @@ def choose_limp(I, M):
         edge = edge_of(I, M, node)
         edge.bears = 0.0
         edge.yields = 0.0
-        if limp and may_be_limp(M, edge, promised):
+        if edge.flexible == 0.0:
+            continue
+        if limp:
             edge.yields = state.yields
-        elif hangs and edge.flexible != 0.0:
+        elif hangs:
             edge.bears = bears
             edge.yields = PRESSED_EA / (1.0 - PRESSED_EA) / edge.compliance
 
