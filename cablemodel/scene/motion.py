@@ -29,6 +29,8 @@ its rate and acceleration at tau = 0 [rad, rad/s, rad/s2], counter-clockwise fro
 DEGREE = 4
 
 _OUT_OF_PLANE = 1e-10
+AT_REST = 1e-9
+"""Speed that is the rounding of a table [m/s]."""
 
 
 class VesselMotion:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
 from cablemodel.scene.line import Cable
+from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers.finite_element.mesh import Span, Start, line_nodes
 from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.systems.guess import standing
@@ -144,7 +145,9 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
         if not used:
             continue
         own = vessel.motion().evaluate(0.0)[1]
-        if found is not None and np.linalg.norm(own - found) > 1e-9 * (1.0 + np.linalg.norm(own)):
+        if found is not None and np.linalg.norm(own - found) > AT_REST * (
+            1.0 + np.linalg.norm(own)
+        ):
             raise SceneError.at(
                 f"vessels.{name}",
                 own.tolist(),
@@ -164,7 +167,7 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
                 "a vessel to which a line of it is tied (cut it there to let the system drift)",
             )
         return np.asarray(rows[0])
-    if anchored and np.any(found != 0.0):
+    if anchored and np.linalg.norm(found) > AT_REST:
         raise SceneError.at(
             f"vessels.{first}",
             found.tolist(),

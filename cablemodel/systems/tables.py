@@ -284,11 +284,26 @@ def fill_frames(scene: SystemScene, block: Block) -> None:
             used += len(pieces)
 
 
+def headings_of(rows: tuple[RaoPoint, ...]) -> list[float]:
+    """Headings that a vessel's responses are known for, in [0, 360) and in order [degrees]: those
+    of its rows, and where these are of one side the other's, whose responses are alike."""
+    given = {row.heading_deg % 360.0 for row in rows}
+    if is_one_sided(rows):
+        given |= {(360.0 - heading) % 360.0 for heading in given}
+    return sorted(given)
+
+
+def is_one_sided(rows: tuple[RaoPoint, ...]) -> bool:
+    """Whether rows are of several headings from one side: 0 to 180 degrees."""
+    given = {row.heading_deg for row in rows}
+    return len(given) > 1 and all(0.0 <= heading <= 180.0 for heading in given)
+
+
 def rao_words(scene: SystemScene, water: Sea | None) -> int:
     """Words of the responses of all vessels that have them."""
-    count = sum(bool(vessel.raos) for vessel in scene.vessels.values())
     components = 0 if water is None else len(water.amplitude)
-    return count * at.RAO_HEADINGS * components * at.RAO_WORDS
+    headings = sum(len(headings_of(vessel.raos)) for vessel in scene.vessels.values())
+    return headings * (1 + components * at.RAO_WORDS)
 
 
 def fill_waves(scene: SystemScene, block: Block) -> None:
@@ -299,58 +314,44 @@ def fill_waves(scene: SystemScene, block: Block) -> None:
         return
     frequency = np.sort(water.frequency)  # as in the block: by their numbers
     words = block.array(Header.raos, rao_words(scene, water))
-    tables = words.reshape(-1, at.RAO_HEADINGS, len(frequency), at.RAO_WORDS)
     frames = block.array(Header.frames, len(scene.vessels), at.FRAME_WORDS)
     used = 0
     for row, vessel in zip(frames, scene.vessels.values(), strict=True):
         if vessel.raos:
-            tables[used] = responses(vessel.raos, frequency)
-            used += 1
-            row[at.Frame.raos] = used
+            headings = headings_of(vessel.raos)
+            row[at.Frame.raos], row[at.Frame.headings] = 1 + used, len(headings)
+            table = responses(vessel.raos, frequency)
+            own = np.concatenate([np.radians(headings), table.ravel()])
+            words[used : used + len(own)] = own
+            used += len(own)
 
 
 def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
-    """Cosine and sine parts (RAO_HEADINGS, n, RAO_WORDS) at frequencies (n,) [rad/s].
+    """Cosine and sine parts (headings, n, RAO_WORDS) at frequencies (n,) [rad/s], by `headings_of`.
 
-    Linear between the headings and frequencies of the rows, and as at the last ones beyond.
+    Linear between the frequencies of the rows, and as at the last ones beyond.
     """
     names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
     phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
-    headings = np.array(sorted({row.heading_deg for row in rows}))
+    headings = headings_of(rows)
     given = np.array(sorted({2.0 * math.pi / row.period for row in rows}))
     found = np.zeros((len(headings), len(given), 6), dtype=complex)
+    # Port and starboard are alike: sway, roll and yaw change their sign.
+    mirrored = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     for row in rows:
-        h = int(np.searchsorted(headings, row.heading_deg))
         w = int(np.argmin(np.abs(given - 2.0 * math.pi / row.period)))
-        for k, (name, phase) in enumerate(zip(names, phases, strict=True)):
-            size = getattr(row, name) * (math.pi / 180.0 if name.endswith("_deg") else 1.0)
-            found[h, w, k] = size * np.exp(1j * math.radians(getattr(row, phase)))
-    if headings[0] >= 0.0 and headings[-1] <= 180.0 and len(headings) > 1:
-        # Port and starboard are alike: sway, roll and yaw change their sign.
-        beside = (headings > 0.0) & (headings < 180.0)
-        mirrored = found[beside] * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-        headings = np.concatenate([headings, 360.0 - headings[beside]])
-        found = np.concatenate([found, mirrored])
-    at_frequencies = np.stack(
-        [
-            [
-                np.interp(frequency, given, one[:, k].real)
-                + 1j * np.interp(frequency, given, one[:, k].imag)
-                for k in range(6)
-            ]
-            for one in found
-        ]
-    )  # (headings, 6, n)
-    grid = np.arange(at.RAO_HEADINGS) * 360.0 / at.RAO_HEADINGS
-    out = np.zeros((at.RAO_HEADINGS, len(frequency), at.RAO_WORDS))
-    for k in range(6):
-        for n in range(len(frequency)):
-            values = at_frequencies[:, k, n]
-            real, imaginary = (
-                np.interp(grid, headings, part, period=360.0) for part in (values.real, values.imag)
-            )
+        sizes = np.array([getattr(row, name) for name in names]) * [1, 1, 1, *(math.pi / 180,) * 3]
+        turned = np.radians([getattr(row, phase) for phase in phases])
+        heading = row.heading_deg % 360.0
+        found[headings.index(heading), w] = response = sizes * np.exp(1j * turned)
+        if is_one_sided(rows) and heading not in (0.0, 180.0):
+            found[headings.index(360.0 - heading), w] = mirrored * response
+    out = np.zeros((len(headings), len(frequency), at.RAO_WORDS))
+    for h, by_frequency in enumerate(found):
+        for k in range(6):
             # cos(w t + phase) where the wave is cos(theta), theta = k x - w t.
-            out[:, n, 2 * k], out[:, n, 2 * k + 1] = real, imaginary
+            out[h, :, 2 * k] = np.interp(frequency, given, by_frequency[:, k].real)
+            out[h, :, 2 * k + 1] = np.interp(frequency, given, by_frequency[:, k].imag)
     return out
 
 

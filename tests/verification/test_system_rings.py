@@ -181,3 +181,35 @@ def test_a_ring_that_a_hoist_may_miss_shakes_a_line_below_its_load() -> None:
     assert lower_pull > 100.0 * TAU * HANGS
     allowed = 10.0 * TAU * expected.max(axis=0)
     assert np.all(np.abs(np.array(found) - expected) < allowed)
+
+
+@pytest.mark.parametrize("interval", [0.5, 0.05, 0.02])
+def test_a_buoy_that_is_pushed_bobs_as_long_at_any_interval_of_the_caller(interval: float) -> None:
+    """Steps that are short against a natural one are none of a longer period."""
+    wire = {"diameter": 0.03, "mass": 0.6, "axial_stiffness": 2e6, "drag_normal": 0.0,
+            "drag_tangential": 0.0}  # fmt: skip
+    buoy = {"mass": 6000.0, "submerged_weight": -7000.0, "inertia": 4e4, "added_mass": 400.0,
+            "points": {"eye": [0, 0, 0]}}  # fmt: skip
+    leg = {"from": {"anchor": [0, 0, -60]}, "to": "buoy.eye",
+           "items": [{"cable": {"type": "wire", "length": 54.0}}]}  # fmt: skip
+    model = SystemModel(
+        {"cable_types": {"wire": wire}, "bodies": {"buoy": buoy}, "lines": {"leg": leg}}
+    )
+    mass, spring = 6400.0 + 0.6 * 54.0 / 3.0, 2e6 / 54.0
+
+    def push(t: float) -> float:
+        return float(np.interp(t, [0.0, 0.5, 10.0, 10.5], [0.0, -3000.0, -3000.0, 0.0]))
+
+    def motion(t: float, state: np.ndarray) -> list[float]:
+        return [state[1], (push(t) - spring * state[0]) / mass]
+
+    times = np.arange(0.5, 60.25, 0.5)
+    exact = solve_ivp(motion, (0.0, 60.0), [0.0, 0.0], t_eval=times, max_step=0.02, rtol=1e-9)
+    first, found = model.lines["leg"].end_tension, []
+    for step in range(1, round(60.0 / interval) + 1):
+        time = step * interval
+        model.step_to(time, forces={"buoy": [0.0, 0.0, push(time), 0.0, 0.0, 0.0]})
+        if len(found) < len(times) and abs(time - times[len(found)]) < 1e-6:
+            found.append(model.lines["leg"].end_tension)
+    expected = first + spring * exact.y[0]
+    assert np.abs(found - expected).max() < 10.0 * TAU * expected.max()

@@ -322,6 +322,35 @@ def ship(**vessel: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("direction", "roll", "heave"),
+    [(0.0, 0.0, 0.4), (45.0, 1.0, 0.55), (337.5, -0.5, 0.475), (315.0, -1.0, 0.55)],
+    ids=["bow", "as given", "between, on the other side", "the other side"],
+)
+def test_a_vessel_answers_as_its_rows_say(direction: float, roll: float, heave: float) -> None:
+    """At the headings that are given, whichever they are, and linearly between them."""
+    answers = ((0.0, 0.0, 0.4), (45.0, 1.0, 0.55), (90.0, 4.0, 1.0), (135.0, 1.0, 0.6), (180, 0, 0))
+    rows = [
+        {"heading_deg": heading, "period": period, "roll_deg": turns, "heave": rises}
+        for heading, turns, rises in answers for period in (8.0, 12.0)
+    ]  # fmt: skip
+    scene = ship(raos=rows)
+    waves = {"height": 2.0, "period": 10.0, "direction": f"{direction} deg"}
+    scene["environment"]["waves"] = {"regular": waves, "ramp": 5.0}
+    model = SystemModel(scene)
+    found = []
+    for time in np.arange(10.0, 20.0, 0.25):
+        model.step_to(float(time))
+        motion = model.vessels["ship"]
+        found.append((motion.attitude[0], motion.position[2]))
+    w = 2.0 * math.pi / 10.0
+    times = np.arange(10.0, 20.0, 0.25)
+    wave = np.column_stack([np.cos(w * times), np.sin(w * times)])  # cos(-w t + phase)
+    parts, *_ = np.linalg.lstsq(wave, np.array(found), rcond=None)
+    assert np.degrees(parts[:, 0]) == pytest.approx([roll, 0.0], abs=1e-9)
+    assert parts[:, 1] == pytest.approx([heave, 0.0], abs=1e-9)
+
+
 def test_a_vessel_that_the_waves_move_is_one_that_is_moved_so() -> None:
     """The responses summed here, given as the vessel's motion, move the line alike."""
     yaw = -0.6  # of the heading's rows, which are all alike, at 34 degrees

@@ -12,6 +12,7 @@ import yaml
 from scipy.optimize import brentq, fsolve
 from typer.testing import CliRunner
 
+import cablemodel as cm
 from cablemodel.cli import app
 from cablemodel.errors import SceneError, StepError
 from cablemodel.solvers.shared import layout as at
@@ -562,3 +563,32 @@ def test_a_line_that_nothing_gives_a_shape_is_named_where_no_start_is_found() ->
     limp = {"submerged_weight": 0.0, "bending_stiffness": 0.0}
     scene["cable_types"] = {"string": {**STRING, **limp}}
     assert "cable of one and two has neither weight" in without_shape(load_system(scene))
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-14, 1e-3])
+def test_a_velocity_that_is_rounding_is_rest(speed: float) -> None:
+    """As the first row of a table that was differentiated has it; in a scene of one line, too."""
+    wire = {"diameter": 0.05, "mass": 10.5, "axial_stiffness": 8e7}
+    rows = [{"t": 0, "velocity": [speed, 0, 0]}, {"t": 5, "velocity": [1, 0, 0]}]
+    item = {"cable": {"type": "wire", "length": 260}}
+    system = {
+        "cable_types": {"wire": wire},
+        "vessels": {"ship": {"points": {"bow": [0, 0, 0]}, "velocity": rows}},
+        "lines": {"leg": {"from": "ship.bow", "to": {"anchor": [240, 0, 0]}, "items": [item]}},
+    }
+    single = {
+        "cable_types": {"wire": wire}, "vessel": {"velocity": rows}, "line": [item],
+        "end": {"anchor": [240, 0, 0]},
+    }  # fmt: skip
+    if speed == 1e-3:
+        with pytest.raises(SceneError, match="no steady state while a vessel moves"):
+            SystemModel(system)
+        with pytest.raises(SceneError, match="no steady state while the vessel moves"):
+            cm.CableModel(single)
+        return
+    model = SystemModel(system)
+    model.step(2.0)
+    assert model.vessels["ship"].position[0] == pytest.approx(0.4, abs=1e-9)
+    assert cm.CableModel(single).top_tension == pytest.approx(
+        SystemModel(system).lines["leg"].start_tension, rel=1e-2
+    )

@@ -157,7 +157,7 @@ class Header(Record):
     _spare_3 = spare(1)
     cut_count = integer("places where lines are cut, let go or break")
     cuts = integer("start of them (Cut)")
-    raos = integer("start of the responses of each frame that has them: RAO_HEADINGS sets of rows")
+    raos = integer("start of the responses of each frame that has them: headings, rows for each")
     rao_words = integer("their words")
     foot_count = integer("places of free bodies that touch the floor")
     feet = integer("start of them (Foot)")
@@ -555,7 +555,8 @@ class Frame(Record):
     turn_live = real("what drives its attitude")
     piece = part(Piece, "live piece of the origin")
     turn_piece = part(Piece, "live piece of the angles")
-    raos = real("1: the waves move it on top of that, by its rows of the header's `raos`")
+    raos = real("the waves move it on top of that: 1 + the word of its headings in `raos`; or 0")
+    headings = real("how many, in [0, 2 pi) and in order")
     mean = part(Motion, "of its origin without the waves' part")
     mean_angles = part(Motion, "of its angles without it")
     moved = part(Motion, "of its origin with it")
@@ -570,7 +571,6 @@ LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # the scene; the caller; a step back to 
 # pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the
 # frame's x axis.
 RAO_WORDS = 12
-RAO_HEADINGS = 36  # every 10 degrees from 0
 
 
 class WrenchRamp(Record):

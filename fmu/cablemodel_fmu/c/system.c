@@ -28,7 +28,7 @@ static int pieces_fit(const int64_t *I, const double *row) {
 const char *check_parts(const int64_t *I) {
     const double *M = (const double *)I;
     const int64_t last = header(I)->nodes - 1;
-    const int64_t responses = RAO_HEADINGS * RAO_WORDS * header(I)->wave_count;
+    const int64_t responses = 1 + RAO_WORDS * header(I)->wave_count; /* of each heading */
     if (header(I)->dimension != 3 || header(I)->sleep != 0)
         return "a counter in the model is out of range";
     for (int64_t n = 0; n < header(I)->constraint_count; n++) {
@@ -39,8 +39,9 @@ const char *check_parts(const int64_t *I) {
     for (int64_t n = 0; n < header(I)->frame_count; n++) {
         const double *row = M + header(I)->frames + n * FRAME_WORDS;
         if (!pieces_fit(I, row + WORD(Frame, first)) || !pieces_fit(I, row + WORD(Frame, turn_first)) ||
-            !whole(AS(Frame, row)->raos, 0, header(I)->frame_count) ||
-            AS(Frame, row)->raos * (double)responses > (double)header(I)->rao_words)
+            !whole(AS(Frame, row)->raos, 0, header(I)->rao_words) ||
+            !whole(AS(Frame, row)->headings, AS(Frame, row)->raos != 0.0, header(I)->rao_words) ||
+            AS(Frame, row)->raos - 1.0 + AS(Frame, row)->headings * (double)responses > (double)header(I)->rao_words)
             return "a vessel's motion is out of range";
     }
     for (int64_t n = 0; n < header(I)->free_count; n++) {

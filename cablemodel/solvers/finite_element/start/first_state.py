@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError, StaticsError
+from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import azimuth as heading
 from cablemodel.solvers.finite_element.start import continuation as continuation
@@ -55,7 +56,7 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
     else:
-        if scene.end.kind == "anchor" and np.any(frame != 0.0):
+        if scene.end.kind == "anchor" and np.linalg.norm(frame) > AT_REST:
             raise SceneError.at(
                 "initial",
                 "static",

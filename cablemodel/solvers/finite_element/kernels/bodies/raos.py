@@ -12,7 +12,6 @@ from cablemodel.solvers.finite_element.kernels.water.airy import column
 from cablemodel.solvers.shared.access import header, scalars
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
-    RAO_HEADINGS,
     RAO_WORDS,
     W_AMPLITUDE,
     W_FREQUENCY,
@@ -39,6 +38,23 @@ def ramp_of_waves(M, t):
 
 
 @kernel
+def between_headings(I, M, row, heading):
+    """Numbers of a frame's headings before and after one [rad], and how far it is between them."""
+    turn = 2.0 * math.pi
+    first = header(I).raos + int(row.raos) - 1
+    last = int(row.headings) - 1
+    x = heading - turn * math.floor(heading / turn)
+    if x < M[first]:
+        x += turn
+    low = last
+    while low > 0 and M[first + low] > x:
+        low -= 1
+    high = low + 1 if low < last else 0
+    after = M[first + high] + (turn if low == last else 0.0)
+    return low, high, (x - M[first + low]) / (after - M[first + low])
+
+
+@kernel
 def add_response(I, M, row, t):
     """Add what the waves do to the motions `moved` and `moved_angles` of a frame's row."""
     head = header(I)
@@ -52,12 +68,10 @@ def add_response(I, M, row, t):
     if share == 0.0:
         return
     yaw = turning.position[YAW]
-    x = (math.atan2(state.wave_y, state.wave_x) - yaw) * RAO_HEADINGS / (2.0 * math.pi)
-    low = math.floor(x)
-    part = x - low
-    first = head.raos + (int(row.raos) - 1) * RAO_HEADINGS * count * RAO_WORDS
-    near = first + int(low) % RAO_HEADINGS * count * RAO_WORDS
-    far = first + (int(low) + 1) % RAO_HEADINGS * count * RAO_WORDS
+    low, high, part = between_headings(I, M, row, math.atan2(state.wave_y, state.wave_x) - yaw)
+    first = head.raos + int(row.raos) - 1 + int(row.headings)
+    near = first + low * count * RAO_WORDS
+    far = first + high * count * RAO_WORDS
     way = state.wave_x * mean.position[0] + state.wave_y * mean.position[1]
     speed = state.wave_x * mean.velocity[0] + state.wave_y * mean.velocity[1]
     gain = state.wave_x * mean.acceleration[0] + state.wave_y * mean.acceleration[1]
