@@ -25,7 +25,7 @@ from cablemodel.model import NO_INPUTS, WINCH_LIMITS, CableState
 from cablemodel.scene import Scene
 from cablemodel.scene.load import SceneSource, is_system, loaded, read_content
 from cablemodel.scene.wall_tension import Surroundings
-from cablemodel.solvers.finite_element.solver import MEANING
+from cablemodel.solvers.finite_element.failures import MEANING
 from cablemodel.solvers.protocol import Errors, images_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Winch

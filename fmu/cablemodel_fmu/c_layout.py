@@ -13,9 +13,9 @@ from typing import Any
 
 from cablemodel.solvers import estimating as error_estimate
 from cablemodel.solvers.direct import block as direct_block
-from cablemodel.solvers.direct.failures import MEANING
+from cablemodel.solvers.direct import failures as direct_failures
 from cablemodel.solvers.direct.kernels import layout as direct_layout
-from cablemodel.solvers.finite_element import block
+from cablemodel.solvers.finite_element import block, failures
 from cablemodel.solvers.finite_element.kernels.element import tables
 from cablemodel.solvers.shared import layout
 from cablemodel.solvers.shared.record import Record, c_struct, records
@@ -119,8 +119,8 @@ def constants(module: ModuleType, prefixes: tuple[str, ...] = ("",)) -> dict[str
 
 
 def header(kernel_hash: str) -> str:
-    """Text of layout.h: constants of both layouts, the rules of their blocks, and what the direct
-    solver says of a step that fails."""
+    """Text of layout.h: constants of both layouts, the rules of their blocks, and what the solvers
+    say of a step that fails."""
     lines = ["/* Written by cablemodel_fmu/c_layout.py; do not edit. */"]
     for name, value in constants(layout).items():
         if not name.startswith("_"):
@@ -146,12 +146,18 @@ def header(kernel_hash: str) -> str:
     lines += _rule(
         "direct_", direct_block.SIZES, direct_block.DirectBlock.arrays, "DIRECT_FIRST_FREE"
     )
-    lines.append("#define DIRECT_FAILURES \\")
-    for status, words in MEANING.items():
+    lines += _failures("FAILURES", failures.MEANING)
+    lines += _failures("DIRECT_FAILURES", direct_failures.MEANING)
+    return "\n".join(lines)
+
+
+def _failures(macro: str, meaning: dict[int, tuple[str, str]]) -> list[str]:
+    """What each status means, and what to do about it, as rows of a `Failure`."""
+    lines = [f"#define {macro} \\"]
+    for status, words in meaning.items():
         problem, advice = (json.dumps(word) for word in words)
         lines.append(f"    {{{status}, {problem}, {advice}}}, \\")
-    lines += ["    {0, 0, 0}", ""]
-    return "\n".join(lines)
+    return [*lines, "    {0, 0, 0}", ""]
 
 
 def _name(record: type[Record]) -> str:

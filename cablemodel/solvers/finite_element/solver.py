@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers import library as entry
 from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.failures import MEANING
 from cablemodel.solvers.finite_element.start.from_scene import build
 from cablemodel.solvers.protocol import FloatArray, OfBlock, PlacedBody
 from cablemodel.solvers.shared import layout as at
@@ -16,29 +17,6 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-
-MEANING = {
-    at.NOT_CONVERGED: (
-        "no step was small enough for Newton's method to converge",
-        "look for a jump in the inputs, a stiffness far from the others, or slack cable without "
-        "bending stiffness on the floor: give it some",
-    ),
-    at.TOO_MANY_STEPS: (
-        "the step needs more internal steps than allowed",
-        "ask for a shorter step or a looser tolerance",
-    ),
-    at.STALLED: (
-        "the cable moves ever quicker: thousands of internal steps in a row were shorter than "
-        "1e-5 sqrt(L/g)",
-        "slack cable without bending stiffness folds so: give it some",
-    ),
-    at.SINGULAR: ("the equations are singular", "give the cable bending stiffness"),
-    at.OVERSTRETCHED: (
-        f"the cable would be stretched to more than {1.0 + at.LARGEST_STRAIN:g} times its length",
-        "look for a jump in the inputs",
-    ),
-    at.NOT_FINITE: ("an input is not finite", "check the inputs"),
-}
 
 
 class FiniteElementSolver(OfBlock):

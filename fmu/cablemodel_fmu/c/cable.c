@@ -231,32 +231,18 @@ static double arc_of(const Cable *cable, int64_t node) {
     return AS(Edge, edge)->start + AS(Edge, edge)->length + winch_of(cable->I, 0)->paid;
 }
 
+void look_up(const Failure *failures, int64_t status, const char **problem, const char **advice) {
+    for (; failures->problem != NULL; failures++)
+        if (failures->status == status) {
+            *problem = failures->problem;
+            *advice = failures->advice;
+        }
+}
+
 static void explain(const Cable *cable, int64_t status, char *message, size_t size) {
     const char *problem = "the step cannot be made", *advice = "ask for another step";
-    if (status == NOT_CONVERGED) {
-        problem = "no step was small enough for Newton's method to converge";
-        advice = "look for a jump in the inputs, or a stiffness far from the others";
-    } else if (status == TOO_MANY_STEPS) {
-        problem = "the step needs more internal steps than allowed";
-        advice = "ask for a shorter step or a looser tolerance";
-    } else if (status == STALLED) {
-        problem =
-            "the cable moves ever quicker: thousands of internal steps in a row were shorter than "
-            "1e-5 sqrt(L/g)";
-        advice = "slack cable without bending stiffness folds so: give it some";
-    } else if (status == SINGULAR) {
-        problem = "the equations are singular";
-        advice = "give the cable bending stiffness";
-    } else if (status == NO_CAPACITY) {
-        problem = "more elements are needed than there is memory for";
-        advice = "ask for a looser tolerance";
-    } else if (status == OVERSTRETCHED) {
-        problem = "the cable would be stretched to more than 6 times its length";
-        advice = "look for a jump in the inputs";
-    } else if (status == NOT_FINITE) {
-        problem = "an input or the step is not finite";
-        advice = "check the inputs";
-    }
+    static const Failure failures[] = {FAILURES};
+    look_up(failures, status, &problem, &advice);
     if (cable->system != NULL) {
         explain_in_system(cable, problem, advice, message, size);
         return;

@@ -199,6 +199,11 @@ int64_t direct_word(const int64_t *I, const Parameter *p);
 int64_t direct_step(Cable *cable, double t_end, double *inputs);
 int64_t direct_settle(Cable *cable);
 void direct_rows(Cable *cable);
+typedef struct { /* what a status means, and what to do about it */
+    int64_t status;
+    const char *problem, *advice;
+} Failure;
+void look_up(const Failure *failures, int64_t status, const char **problem, const char **advice);
 double direct_failure(const Cable *cable, int64_t status, const char **problem,
                       const char **advice);
 

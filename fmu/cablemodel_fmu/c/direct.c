@@ -141,16 +141,9 @@ void direct_rows(Cable *cable) {
 /* What a failed step says, and the arc length of its place; words of cablemodel/solvers/direct. */
 double direct_failure(const Cable *cable, int64_t status, const char **problem,
                       const char **advice) {
-    static const struct {
-        int64_t status;
-        const char *problem, *advice;
-    } failures[] = {DIRECT_FAILURES};
+    static const Failure failures[] = {DIRECT_FAILURES};
     const int64_t *I = cable->I;
-    for (int k = 0; failures[k].problem != NULL; k++)
-        if (failures[k].status == status) {
-            *problem = failures[k].problem;
-            *advice = failures[k].advice;
-        }
+    look_up(failures, status, problem, advice);
     double arc = 0.0;
     const int64_t last = direct_nodes(I) - 1;
     const int64_t failed = I[header(I)->failed];
