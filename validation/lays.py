@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 import cablemodel as cm
-from tests.verification.references.lays import ARMOURED, LIGHT, bottom_tension, independent, lay
+from tests.verification.references.lays import (
+    ARMOURED,
+    KNOT,
+    LIGHT,
+    bottom_tension,
+    independent,
+    lay,
+)
+from tests.verification.references.lumped_lay import lay_in_heave
 from tests.verification.scenes import CABLE_K
 from tests.verification.touchdown_layer import touchdown_layer
 from validation import draw
@@ -17,7 +25,7 @@ from validation.rows import Row, family, relative
 @family("lays", "Lays, touchdown, sea floor")
 def lays() -> tuple[list[Row], Any]:
     """Zajac's lay with stretch and momentum, the layer of bending, dragging."""
-    rows, (figure, (left, right)) = [], draw.axes(2)
+    rows, (figure, (left, right, below)) = [], draw.axes(3)
     cases = {
         "light cable, 5 kn, 4,000 m": (LIGHT, 5.0, 4000.0, 20.0, 0.0, 0.0),
         "light cable, 8 kn, 500 m": (LIGHT, 8.0, 500.0, 1.0, 0.0, 0.0),
@@ -38,6 +46,7 @@ def lays() -> tuple[list[Row], Any]:
     for stiff in (1.0, 10.0, 50.0):
         rows += _layer(stiff, right)
     rows.append(_dragged())
+    rows += _in_heave(below)
     draw.label(left, "x [depth]", "z [depth]", "shapes of lays")
     draw.label(right, "from the touchdown [m]", "curvature [1/m]", "crosses: largest of the BVP")
     return rows, figure
@@ -93,3 +102,50 @@ def _dragged() -> Row:
     drag = 0.5 * 1025.0 * CABLE_K["drag_tangential"] * np.pi * CABLE_K["diameter"] * speed**2
     off = relative(model.top_tension, 20.0 * (drag + 0.5 * weight))
     return Row("lays", "cable dragged over a floor", "Coulomb, drag", "tension", off, 0.1, "%")
+
+
+def _in_heave(one: Any) -> list[Row]:
+    """A fibre cable at 5 knots in 200 m, a little taut, from a ship that heaves by 1 m in 8 s."""
+    kind = {
+        "diameter": 0.03, "mass": 1.5, "axial_stiffness": 12e6, "axial_damping": 5e3,
+        "drag_normal": 1.2, "drag_tangential": 0.01,
+    }  # fmt: skip
+    speed, depth, period, ramp, duration = 5.0 * KNOT, 200.0, 8.0, 20.0, 80.0
+    turn = 2.0 * np.pi / period
+    times = np.arange(0.0, duration + 0.5, 0.25)
+    upwards = -turn * np.sin(turn * times) * np.minimum(1.0, times / ramp)
+    table = [
+        {"t": float(t), "velocity": [speed, 0.0, float(rise)]}
+        for t, rise in zip(times, upwards, strict=True)
+    ]
+    scene = {
+        "environment": {"floor": {"z": -depth, "friction": 0.3}},
+        "cable_types": {"fibre": kind},
+        "line": [{"cable": {"type": "fibre", "length": 900.0}}],
+        "vessel": {"velocity": table, "interpolation": "cubic"},
+        "payout": {
+            "rate": 0.98 * speed, "drum": [{"cable": {"type": "fibre", "length": 500.0}}]
+        },
+    }  # fmt: skip
+    model = cm.CableModel(cm.load_scene({**scene, "solver": {"tolerance": 1e-4}}))
+    shape = model.sample(np.linspace(0.0, 900.0, 676)).position[:, [0, 2]]
+    wave = {"heave": 1.0, "period": period, "ramp": ramp, "duration": duration}
+    places = {"speed": speed, "depth": depth, "friction": 0.3}
+    wanted = lay_in_heave(shape, 900.0, kind=kind, payout=0.98 * speed, **places, **wave)
+    model = cm.CableModel(cm.load_scene(scene))
+    found = np.zeros(len(wanted))
+    for k in range(len(found)):
+        model.step_to(0.1 * (k + 1))
+        found[k] = model.top_tension
+    wanted, found = wanted[300:], found[300:]
+    at = 30.0 + 0.1 * np.arange(1, len(found) + 1)
+    one.plot(at, wanted / 1e3, color=draw.REFERENCE, label="lumped masses")
+    one.plot(at, found / 1e3, label="lay in heave")
+    draw.label(one, "t [s]", "top tension [kN]", "5 kn, heave of 1 m")
+    case, source = "5 kn in 200 m, heave of 1 m", "lumped masses"
+    off = np.sqrt(np.mean((found - wanted) ** 2)) / np.ptp(wanted)
+    highest = relative(found.max(), wanted.max())
+    return [
+        Row("lays", case, source, "highest tension", highest, 1.0, "%"),
+        Row("lays", case, source, "rms of range", 100.0 * float(off), 3.0, "%"),
+    ]

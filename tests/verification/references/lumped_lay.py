@@ -1,0 +1,175 @@
+"""A lay in waves by lumped masses: explicit, flexible, with Coulomb's friction on a level floor.
+
+Nothing of it is shared with the solvers: equal masses, springs that do not push, half of the drag
+and added mass of each side, an explicit step far below the time in which a wave passes a spring.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+FLOOR_GIVES = 0.01
+"""By which cable at rest sinks into the floor [m]."""
+FRICTION_HOLDS = 3e-4
+"""Way on which friction takes hold [m]."""
+
+
+@njit(cache=True)
+def _forces(  # type: ignore[no-untyped-def]
+    n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az
+):
+    """Forces on n masses into fx, fz, directions along the line into ax, az; the top tension."""
+    stiffness, damping, weight = cable[0], cable[1], cable[2]
+    fx[:n] = 0.0
+    fz[:n] = 0.0
+    tension = 0.0
+    for i in range(n - 1):
+        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+        length = math.hypot(dx, dz)
+        own = spacing if i < n - 2 else top
+        rate = (u[i + 1] - u[i]) * dx + (w[i + 1] - w[i]) * dz
+        rate = rate / length - (out if i == n - 2 else 0.0)
+        tension = max(0.0, stiffness * (length - own) / own + damping * rate / own)
+        ax[i], az[i] = dx / length, dz / length
+        fx[i] += tension * ax[i]
+        fz[i] += tension * az[i]
+        fx[i + 1] -= tension * ax[i]
+        fz[i + 1] -= tension * az[i]
+    for i in range(n - 2, -1, -1):
+        if i > 0:
+            ax[i], az[i] = ax[i] + ax[i - 1], az[i] + az[i - 1]
+        size = math.hypot(ax[i], az[i])
+        ax[i], az[i] = ax[i] / size, az[i] / size
+        own = spacing if 0 < i < n - 2 else 0.5 * (spacing + (top if i == n - 2 else 0.0))
+        along, across = u[i] * ax[i] + w[i] * az[i], w[i] * ax[i] - u[i] * az[i]
+        across *= -water[0] * abs(across) * own
+        along *= -water[1] * abs(along) * own
+        fx[i] += along * ax[i] - across * az[i]
+        fz[i] += along * az[i] + across * ax[i] - weight * own
+        # The floor: a damped spring, and a slider behind one.
+        hard = weight * own / FLOOR_GIVES
+        press = -hard * (z[i] + floor[0]) - math.sqrt(hard * cable[4] * own) * w[i]
+        if z[i] + floor[0] < 0.0 and press > 0.0:
+            hold = floor[1] * weight * own / FRICTION_HOLDS
+            most = floor[1] * press
+            drawn = min(most, max(-most, hold * (x[i] - rest[i])))
+            rest[i] = x[i] - drawn / hold
+            fx[i] -= drawn
+            fz[i] += press
+        else:
+            rest[i] = x[i]
+    return tension
+
+
+@njit(cache=True)
+def _run(  # type: ignore[no-untyped-def]
+    x,
+    z,
+    u,
+    w,
+    n,
+    spacing,
+    speed,
+    out,
+    heave,
+    period,
+    ramp,
+    cable,
+    water,
+    floor,
+    step,
+    outputs,
+    every,
+):
+    """Top tensions at `outputs` times, `every` steps apart; x, z, u, w: from the far end on."""
+    room = len(x)
+    fx, fz, ax, az = np.zeros(room), np.zeros(room), np.zeros(room), np.zeros(room)
+    rest = x.copy()
+    tensions = np.zeros(outputs)
+    top, start, rise = spacing, x[n - 1], z[n - 1]
+    turn = 2.0 * math.pi / period
+    for k in range(outputs * every):
+        t = k * step
+        u[n - 1] = speed
+        w[n - 1] = -heave * turn * math.sin(turn * t) * min(1.0, t / ramp)
+        x[n - 1], z[n - 1] = start + speed * t, rise
+        tension = _forces(
+            n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az
+        )
+        for i in range(n - 1):
+            own = spacing if 0 < i < n - 2 else 0.5 * (spacing + (top if i == n - 2 else 0.0))
+            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * own)
+            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * own)
+            u[i] += step * (along * ax[i] - across * az[i])
+            w[i] += step * (along * az[i] + across * ax[i])
+            x[i] += step * u[i]
+            z[i] += step * w[i]
+        rise += step * w[n - 1]
+        top += step * out
+        if (k + 1) % every == 0:
+            tensions[k // every] = tension
+        if top > 1.5 * spacing:
+            # One more mass, where the cable between the ship and the last one has it.
+            share = spacing / top
+            dx, dz = x[n - 1] - x[n - 2], z[n - 1] - z[n - 2]
+            length = math.hypot(dx, dz)
+            x[n], z[n] = x[n - 1], z[n - 1]
+            gone = u[n - 1] - out * dx / length, w[n - 1] - out * dz / length
+            x[n - 1], z[n - 1] = x[n - 2] + share * dx, z[n - 2] + share * dz
+            u[n - 1] = u[n - 2] + share * (gone[0] - u[n - 2])
+            w[n - 1] = w[n - 2] + share * (gone[1] - w[n - 2])
+            rest[n - 1] = x[n - 1]
+            n += 1
+            top -= spacing
+    return tensions
+
+
+def lay_in_heave(
+    shape: FloatArray,
+    length: float,
+    *,
+    kind: dict[str, float],
+    speed: float,
+    payout: float,
+    depth: float,
+    friction: float,
+    heave: float,
+    period: float,
+    ramp: float,
+    duration: float,
+    interval: float = 0.1,
+    density: float = 1025.0,
+    gravity: float = 9.80665,
+) -> FloatArray:
+    """Top tensions [N] at the end of every interval [s] of a ship that heaves as it lays.
+
+    Args:
+        shape: places along the line at t = 0 at even distances, from the ship on (n, 2) [m].
+        length: unstretched, of the line [m].
+        kind: a cable type of a scene, with numbers, and axial damping.
+        heave: -heave w sin(w t) min(1, t / ramp) is the ship's velocity upwards [m/s].
+    """
+    n, area = len(shape), 0.25 * math.pi * kind["diameter"] ** 2
+    spacing = length / (n - 1)
+    mass = kind["mass"]
+    dead = mass + density * area  # across, with an added mass of what it displaces
+    weight = (mass - density * area) * gravity
+    drag = 0.5 * density * kind["diameter"]
+    cable = np.array([kind["axial_stiffness"], kind["axial_damping"], weight, mass, dead])
+    water = drag * np.array([kind["drag_normal"], math.pi * kind["drag_tangential"]])
+    # Below what waves along a spring, and its damping, allow.
+    step = min(0.25 * spacing * math.sqrt(mass / cable[0]), 0.25 * spacing**2 * mass / cable[1])
+    every = math.ceil(interval / step)
+    room = n + math.ceil(duration * payout / spacing) + 2
+    x, z, u, w = np.zeros((4, room))
+    x[:n], z[:n] = shape[::-1].T
+    outputs = round(duration / interval)
+    numbers = (speed, payout, heave, period, ramp, cable, water, np.array([depth, friction]))
+    tensions: FloatArray = _run(x, z, u, w, n, spacing, *numbers, interval / every, outputs, every)
+    return tensions
