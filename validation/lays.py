@@ -128,7 +128,7 @@ def _in_heave(one: Any) -> list[Row]:
         },
     }  # fmt: skip
     model = cm.CableModel(cm.load_scene({**scene, "solver": {"tolerance": 1e-4}}))
-    shape = model.sample(np.linspace(0.0, 900.0, 676)).position[:, [0, 2]]
+    shape = model.sample(np.linspace(0.0, 900.0, 451)).position[:, [0, 2]]
     wave = {"heave": 1.0, "period": period, "ramp": ramp, "duration": duration}
     places = {"speed": speed, "depth": depth, "friction": 0.3}
     wanted = lay_in_heave(shape, 900.0, kind=kind, payout=0.98 * speed, **places, **wave)
