@@ -105,7 +105,10 @@ def _dragged() -> Row:
 
 
 def _in_heave(one: Any) -> list[Row]:
-    """A fibre cable at 5 knots in 200 m, a little taut, from a ship that heaves by 1 m in 8 s."""
+    """A fibre cable at 5 knots in 200 m, a little taut, from a ship that heaves by 1 m in 8 s.
+
+    Masses that join the line shake it: peaks of the reference are within 1 % of finer ones.
+    """
     kind = {
         "diameter": 0.03, "mass": 1.5, "axial_stiffness": 12e6, "axial_damping": 5e3,
         "drag_normal": 1.2, "drag_tangential": 0.01,
@@ -146,6 +149,6 @@ def _in_heave(one: Any) -> list[Row]:
     off = np.sqrt(np.mean((found - wanted) ** 2)) / np.ptp(wanted)
     highest = relative(found.max(), wanted.max())
     return [
-        Row("lays", case, source, "highest tension", highest, 1.0, "%"),
+        Row("lays", case, source, "highest tension", highest, 2.0, "%"),
         Row("lays", case, source, "rms of range", 100.0 * float(off), 3.0, "%"),
     ]
