@@ -71,9 +71,9 @@ def scene_warnings(scene: Scene) -> list[str]:
     if scene.vessel.connection.kind == "clamped" and is_flexible(scene, scene.cables[0]):
         found.append("vessel.connection is clamped, but the first cable has no bending: no effect")
     items = scene.line_and_drum
-    found += _type_warnings(scene, items, "the line")
+    found += _type_warnings(scene, items, "the line or its drum")
     found += _item_warnings(scene, items)
-    found += _end_of_the_drum(scene)
+    found += _end_of_the_drum("payout", scene.payout.rate, scene.payout.drum, scene.run.duration)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
@@ -88,7 +88,8 @@ def system_warnings(scene: SystemScene) -> list[str]:
     from cablemodel.systems.lines import bends_at
 
     items = [item for line in scene.lines.values() for item in line.items]
-    found = _type_warnings(scene, items, "any line") + _item_warnings(scene, items)
+    items += [item for winch in scene.winches.values() for item in winch.drum]
+    found = _type_warnings(scene, items, "any line or drum") + _item_warnings(scene, items)
     for name, body in scene.bodies.items():
         weight = body.weight_in(scene.environment)
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
@@ -98,6 +99,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
     found += _fast_water(scene)
     for name, winch in scene.winches.items():
         found += _fast_winch(f"winches.{name}.rate", winch.rate)
+        found += _end_of_the_drum(f"winches.{name}", winch.rate, winch.drum, scene.run.duration)
     for name, line in scene.lines.items():
         for word, end in (("from", line.start), ("to", line.end)):
             if end.clamped is not None and not bends_at(scene, line, end):
@@ -253,15 +255,16 @@ def _heavier_in_water(
     ]
 
 
-def _end_of_the_drum(scene: Scene) -> list[str]:
-    """A pay-out that asks for more than the drum holds."""
+def _end_of_the_drum(
+    where: str, rows: tuple[RatePoint, ...], drum: tuple[LineItem, ...], end: float
+) -> list[str]:
+    """A pay-out until a time that asks for more than the drum holds. where: path of its winch."""
     from scipy.interpolate import PPoly
 
-    rows, end = scene.payout.rate, scene.run.duration
     if all(row.rate <= 0.0 for row in rows):
         return []
-    cables = sum(cable.length for cable in scene.drum_cables)
-    bodies = sum(2.0 * item.body.half_length for item in scene.payout.drum if item.body is not None)
+    cables = sum(item.cable.length for item in drum if item.cable is not None)
+    bodies = sum(2.0 * item.body.half_length for item in drum if item.body is not None)
     held = cables + bodies
     times = np.array(sorted({0.0, end, *(row.t for row in rows if 0.0 < row.t < end)}))
     rates = np.interp(times, [row.t for row in rows], [row.rate for row in rows])
@@ -278,7 +281,7 @@ def _end_of_the_drum(scene: Scene) -> list[str]:
         inside = reached[(reached >= first) & (reached <= last)]
         empty = float(inside[0]) if len(inside) else float(first)
         return [
-            f"payout.drum holds {held:g} m, and payout.rate asks for "
+            f"{where}.drum holds {held:g} m, and {where}.rate asks for "
             f"{paid_out(stretches).max():.6g} m within the run: it is empty at t = {empty:.6g} s, "
             "and no more is paid out"
         ]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import system_warnings
 from cablemodel.errors import SceneError
 from cablemodel.systems import SystemModel
 
@@ -237,3 +238,16 @@ def test_two_bodies_in_a_row_in_a_line() -> None:
     scene["lines"]["tow"]["items"] = [*LINE, {"body": CLUMP}]
     with pytest.raises(SceneError, match="two bodies in a row"):
         cm.load_system(scene)
+
+
+def test_a_check_looks_on_drums() -> None:
+    """What is there is used; and a pay-out may ask for more than that."""
+    scene = towing(DRUM)
+    scene["lines"]["tow"]["items"] = [LINE[0], {"body": FISH}]  # the hose is on the drum only
+    assert system_warnings(cm.load_system(scene)) == []
+    scene["winches"]["main"]["rate"] = rates((0, 0), (10, 2))
+    scene["run"] = {"duration": 100, "output_interval": 1}
+    (warning,) = system_warnings(cm.load_system(scene))
+    assert "winches.main.drum holds 90 m" in warning
+    assert "190 m within the run" in warning
+    assert "empty at t = 50 s" in warning
