@@ -31,6 +31,20 @@ def test_a_scene_to_copy_runs(path: Path) -> None:
         assert np.linalg.norm(body.velocity) < 10.0, name
 
 
+def test_an_array_that_leaves_its_drum_pulls_with_its_drag() -> None:
+    """Level and straight, all of it goes through the water at what the ship is faster than the
+    winch; at rest on the winch at the ship's speed."""
+    (path,) = (path for path in SCENES if path.stem == "array_from_its_drum")
+    model = SystemModel(load_system(path))
+    for time, birds, speed in ((62.0, 1, 2.0), (400.0, 0, 3.0)):
+        model.step_to(time)
+        line = model.lines["array"]
+        drag = 0.5 * 1025.0 * (0.01 * np.pi * 0.06 * line.length + birds * 0.02) * speed**2
+        assert line.start_tension == pytest.approx(drag, rel=0.01)
+    assert line.length == pytest.approx(50.0, abs=1e-9)
+    assert model.winches["winch"].drum_length == pytest.approx(170.0, abs=1e-9)
+
+
 def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
     """A limit of no time at all is the shortest there is."""
     scene = load_system(SCENES[0], ["solver.start_time_limit=1e-6"])
