@@ -257,13 +257,15 @@ def fill_chain(scene: SystemScene, tree: Tree, cables: FloatArray, chain: int) -
         if part.chain != chain:
             continue
         own = [e.length for e in tree.elements.values() if e.segment == number]
-        size = size_on_drum(part.cable, mean_element(scene, tree, part.line))
+        out = math.fsum(own)
         if own:
-            size = math.fsum(own) / len(own)
+            size = out / len(own)
+        else:
+            size = size_on_drum(part.cable, mean_element(scene, tree, part.line))
         row = cables[number]
         row[at.Cable.nominal] = row[at.Cable.edge.word + at.Edge.nominal.word] = size
         row[at.Cable.shortest] = SHORTEST_PIECE * min(size, part.cable.length)
-        length += math.fsum(own)
+        length += out
     return length
 
 
@@ -335,6 +337,7 @@ def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
     phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
     headings = headings_of(rows)
     given = np.array(sorted({2.0 * math.pi / row.period for row in rows}))
+    one_sided = is_one_sided(rows)
     found = np.zeros((len(headings), len(given), 6), dtype=complex)
     # Port and starboard are alike: sway, roll and yaw change their sign.
     mirrored = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
@@ -344,7 +347,7 @@ def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
         turned = np.radians([getattr(row, phase) for phase in phases])
         heading = row.heading_deg % 360.0
         found[headings.index(heading), w] = response = sizes * np.exp(1j * turned)
-        if is_one_sided(rows) and heading not in (0.0, 180.0):
+        if one_sided and heading not in (0.0, 180.0):
             found[headings.index(360.0 - heading), w] = mirrored * response
     out = np.zeros((len(headings), len(frequency), at.RAO_WORDS))
     for h, by_frequency in enumerate(found):

@@ -48,7 +48,7 @@ class Header(Record):
     drag = integer("0 in vacuum: no water terms")
     hybrid = integer("1: elements choose between elastica and cable by their tension")
     limp = integer(
-        "1: some cable may be limp (limp.py); LAYS_SLACK: of a lay that begins with slack"
+        "1: some cable has no bending stiffness (limp.py); LAYS_SLACK: of a lay that begins so"
     )
     floor_kind = integer("FLOOR_NONE, FLOOR_PLANE or FLOOR_TABLE")
     floor_columns = integer("columns of the floor's table, along x")

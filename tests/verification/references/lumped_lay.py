@@ -22,9 +22,10 @@ FRICTION_HOLDS = 3e-4
 
 @njit(cache=True)
 def _forces(  # type: ignore[no-untyped-def]
-    n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az
+    n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az, owns
 ):
-    """Forces on n masses into fx, fz, directions along the line into ax, az; the top tension."""
+    """Forces on n masses into fx, fz, directions along the line into ax, az, and how
+    much cable is each one's into owns; the top tension."""
     stiffness, damping, weight = cable[0], cable[1], cable[2]
     fx[:n] = 0.0
     fz[:n] = 0.0
@@ -46,7 +47,8 @@ def _forces(  # type: ignore[no-untyped-def]
             ax[i], az[i] = ax[i] + ax[i - 1], az[i] + az[i - 1]
         size = math.hypot(ax[i], az[i])
         ax[i], az[i] = ax[i] / size, az[i] / size
-        own = spacing if 0 < i < n - 2 else 0.5 * (spacing + (top if i == n - 2 else 0.0))
+        owns[i] = spacing if 0 < i < n - 2 else 0.5 * (spacing + (top if i == n - 2 else 0.0))
+        own = owns[i]
         along, across = u[i] * ax[i] + w[i] * az[i], w[i] * ax[i] - u[i] * az[i]
         across *= -water[0] * abs(across) * own
         along *= -water[1] * abs(along) * own
@@ -89,7 +91,7 @@ def _run(  # type: ignore[no-untyped-def]
 ):
     """Top tensions at `outputs` times, `every` steps apart; x, z, u, w: from the far end on."""
     room = len(x)
-    fx, fz, ax, az = np.zeros(room), np.zeros(room), np.zeros(room), np.zeros(room)
+    fx, fz, ax, az, owns = np.zeros((5, room))
     rest = x.copy()
     tensions = np.zeros(outputs)
     top, start, rise = spacing, x[n - 1], z[n - 1]
@@ -100,12 +102,11 @@ def _run(  # type: ignore[no-untyped-def]
         w[n - 1] = -heave * turn * math.sin(turn * t) * min(1.0, t / ramp)
         x[n - 1], z[n - 1] = start + speed * t, rise
         tension = _forces(
-            n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az
+            n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az, owns
         )
         for i in range(n - 1):
-            own = spacing if 0 < i < n - 2 else 0.5 * (spacing + (top if i == n - 2 else 0.0))
-            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * own)
-            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * own)
+            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * owns[i])
+            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * owns[i])
             u[i] += step * (along * ax[i] - across * az[i])
             w[i] += step * (along * az[i] + across * ax[i])
             x[i] += step * u[i]

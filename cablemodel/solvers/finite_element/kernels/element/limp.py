@@ -3,7 +3,7 @@
 Cable without bending stiffness folds under any pressure P in waves however short (sqrt(P/m) times
 their number grows them), far shorter than elements. An element gets shorter then instead.
 
-Where slack lies on a floor cable is limp: an element gets shorter by T / `yields`, to nothing
+Where slack of it lies on a floor it is limp: an element gets shorter by T / `yields`, to nothing
 under a small part of what its tension may be wrong by. So slack lies where it fell, and what hangs
 above it is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The relaxed
 energy density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by
@@ -57,7 +57,7 @@ def has_slack(I, M, promised):
             pressure /= edge.yields * edge.compliance
         elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
             continue
-        if pressure > promised and pressure > 0.5 * push_of(M, edge):
+        if pressure > max(promised, 0.5 * push_of(M, edge)):
             return True
     return False
 
@@ -83,10 +83,10 @@ def choose_limp(I, M):
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
-        edge.bears = 0.0
-        edge.yields = 0.0
         if edge.flexible == 0.0:
             continue
+        edge.bears = 0.0
+        edge.yields = 0.0
         if limp:
             edge.yields = state.yields
         elif hangs:

@@ -13,6 +13,7 @@ from cablemodel.solvers.finite_element.kernels.element.scales import LET_GO
 from cablemodel.solvers.finite_element.kernels.line.closures import open_closure
 from cablemodel.solvers.finite_element.kernels.mesh.payout import open_gap, split_edge, top_edge
 from cablemodel.solvers.finite_element.kernels.mesh.top_element import next_along
+from cablemodel.solvers.finite_element.kernels.mesh.winch import is_due
 from cablemodel.solvers.finite_element.kernels.time.consistency import begin_after_a_velocity_jump
 from cablemodel.solvers.finite_element.kernels.time.slack import forget_threshold
 from cablemodel.solvers.shared.access import (
@@ -176,10 +177,12 @@ def shorten_lines(I, M):
         left = winch.top_length
         while True:
             edge = next_along(I, winch, edge)
-            cable = cable_of(I, M, int(edge_of(I, M, edge).segment))
-            if edge == 0 or (I[head.joint + edge] == 0 and cable.chain != chain):
+            if edge == 0:
                 break
-            left += edge_of(I, M, edge).length
+            row = edge_of(I, M, edge)
+            if I[head.joint + edge] == 0 and cable_of(I, M, int(row.segment)).chain != chain:
+                break
+            left += row.length
         left -= winch.shortest
         winch.travel_least = max(winch.travel_least, winch.travel - max(0.0, left))
 
@@ -277,13 +280,13 @@ def make_cuts(I, M):
     due = False
     for n in range(head.cut_count):
         row = cut_of(I, M, n)
-        if row.done < 1e300:
+        over = is_due(M, row)
+        if row.done < 1e300 or not (over or row.tension < 1e300):
             continue
         node, x = element_of_cut(I, M, row)
         if node == 0:
             continue  # what is cut on a drum parts where it leaves it
-        over = row.ordered != 0.0 or row.time <= state.time
-        if not over and row.tension < 1e300:
+        if not over:
             carries = tension_there(M, head.tension, node, x) + damping_there(I, M, node, x)
             over = carries >= row.tension
         if not over:

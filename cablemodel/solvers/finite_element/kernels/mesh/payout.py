@@ -22,7 +22,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     set_first_bit,
     set_part,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.winch import paid_since
+from cablemodel.solvers.finite_element.kernels.mesh.winch import out_of, paid_since
 from cablemodel.solvers.finite_element.kernels.time.backup import keep_sleepers
 from cablemodel.solvers.shared.access import (
     arm_of,
@@ -75,8 +75,7 @@ def next_cable(I, M, winch, way):
 @kernel
 def out_of_joint(I, M, winch, other):
     """How far the joint of the cable that passes and its neighbour in a row is out [m]."""
-    joint = cable_of(I, M, min(int(winch.cable), other))
-    return winch.travel - winch.off_drum * (joint.leaves - winch.start)
+    return out_of(winch, cable_of(I, M, min(int(winch.cable), other)).leaves)
 
 
 @inlined

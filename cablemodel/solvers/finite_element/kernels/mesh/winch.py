@@ -2,7 +2,7 @@
 
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import next_mark
 from cablemodel.solvers.shared.access import cable_of, cut_of, header, scalars, winch_of
-from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.inputs import commanded_rate
 from cablemodel.solvers.shared.layout import CUT_WITHIN
 
@@ -25,22 +25,30 @@ def first_crossing(gap, rate, slope):
     return 2.0 * gap / (rate + root)
 
 
+@inlined
+def out_of(winch, place):
+    """How far a place of a winch's cables, counted as their `leaves`, is out of it [m]."""
+    return winch.travel - winch.off_drum * (place - winch.start)
+
+
+@inlined
+def is_due(M, row):
+    """Whether a cut is to be made, by a command or a time that has come."""
+    return row.ordered != 0.0 or row.time <= scalars(M).time
+
+
 @kernel
 def next_cut(I, M, winch):
     """Way of a winch to where what has been cut on its drum leaves it [m]; 1e300: nothing has."""
-    head = header(I)
-    chain = cable_of(I, M, int(winch.cable)).chain
+    cable = cable_of(I, M, int(winch.cable))
     way = 1e300
-    for n in range(head.cut_count):
+    for n in range(header(I).cut_count):
         row = cut_of(I, M, n)
-        over = row.ordered != 0.0 or row.time <= scalars(M).time
-        if row.done < 1e300 or row.side != CUT_WITHIN or not over:
+        if row.done < 1e300 or row.side != CUT_WITHIN or not is_due(M, row):
             continue
-        if cable_of(I, M, int(row.segment)).chain != chain:
-            continue
-        on_drum = winch.off_drum * (row.arc - winch.start) - winch.travel
-        if on_drum > 0.0:
-            way = min(way, on_drum + cable_of(I, M, int(winch.cable)).shortest)
+        out = out_of(winch, row.arc)
+        if out < 0.0 and cable_of(I, M, int(row.segment)).chain == cable.chain:
+            way = min(way, cable.shortest - out)
     return way
 
 
