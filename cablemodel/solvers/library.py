@@ -20,6 +20,7 @@ import os
 import platform
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -113,6 +114,14 @@ COMPILING = (
 LONG = 3.0
 """Seconds after which a kernel is said to be compiling; one that is cached is there by then."""
 
+_compiled = [0.0]
+
+
+def time_compiling() -> float:
+    """Time that numba has taken to compile kernels in this process so far [s]."""
+    return _compiled[0]
+
+
 _tell: ContextVar[Callable[[str], None]] = ContextVar(
     "tell", default=logging.getLogger("cablemodel").warning
 )
@@ -145,10 +154,12 @@ def telling(kernels: dict[str, Any]) -> dict[str, Kernel]:
             timer = threading.Timer(LONG, say)
             timer.daemon = True
             timer.start()
+            began = time.monotonic()
             try:
                 return compiling(signature)
             finally:
                 timer.cancel()
+                _compiled[0] += time.monotonic() - began
 
         return compile_and_tell
 

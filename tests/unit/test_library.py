@@ -13,6 +13,7 @@ import pytest
 
 import cablemodel as cm
 from cablemodel.solvers import library
+from cablemodel.solvers.finite_element.start.search import Search
 
 ROOT = Path(__file__).parents[2]
 
@@ -151,6 +152,14 @@ def test_compiling_for_long_is_told_once(caplog, monkeypatch):
     assert not caplog.records
     library.telling({"step": Kernel(0.2)})["step"].compile("reals")
     assert [record.message for record in caplog.records] == [library.COMPILING]
+
+
+def test_a_search_for_a_start_is_not_charged_with_compiling():
+    search = Search(limit=0.1)
+    library.telling({"equilibrium": Kernel(0.2)})["equilibrium"].compile("reals")
+    assert search.left > 0.0
+    time.sleep(0.12)
+    assert search.left < 0.0
 
 
 @pytest.mark.parametrize(
