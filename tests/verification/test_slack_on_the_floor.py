@@ -171,3 +171,42 @@ def test_slack_in_space_falls_over_and_lies(tmp_path: Path) -> None:
     way = places[laid][0, 0] - places[laid][-1, 0]
     assert np.ptp(arcs[laid]) / way == pytest.approx(1.0 + slack, rel=0.005)
     assert awake(model) < 0.5 * model.statistics["elements"]
+
+
+@pytest.mark.parametrize("slack", [0.005, 0.06])
+def test_flexible_slack_neither_pushes_nor_pulls_where_it_sleeps(slack: float) -> None:
+    """Cable without bending stiffness lies as it fell: joined, asleep and awake again it bears no
+    pressure, and no tension but what friction can hold: friction times its weight, over its length.
+    """
+    depth, speed = 3000.0, 4.0 * 0.514444
+    cable = {
+        "diameter": 0.0175,
+        "mass": 0.58,
+        "axial_stiffness": 7e6,
+        "drag_normal": 1.7,
+        "drag_tangential": 0.006,
+    }
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": {"z": -depth, "friction": 0.5}},
+                "cable_types": {"lw": cable},
+                "line": [{"cable": {"type": "lw", "length": 14359.8}}],
+                "vessel": {"velocity": [speed, 0.0, 0.0]},
+                "payout": {
+                    "rate": speed * (1.0 + slack),
+                    "drum": [{"cable": {"type": "lw", "length": 2000.0}}],
+                },
+            }
+        )
+    )
+    promised = 0.01 * model.top_tension
+    hangs = 13500.0  # (Zajac 1957: at 12.84 degrees)
+    most = 0
+    while model.time < 600.0 - 1e-9:
+        model.step(10.0)
+        state = model.state()
+        behind = state.s > hangs + 100.0
+        assert np.abs(state.tension[behind]).max() < promised
+        most = max(most, int(model.statistics["asleep"]))
+    assert most > 0

@@ -3,11 +3,11 @@
 Cable without bending stiffness folds under any pressure P in waves however short (sqrt(P/m) times
 their number grows them), far shorter than elements. An element gets shorter then instead.
 
-Where slack of it lies on a floor it is limp: an element gets shorter by T / `yields`, to nothing
-under a small part of what its tension may be wrong by. So slack lies where it fell, and what hangs
-above it is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The relaxed
-energy density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by
-which D is as large as that pressure. Nothing else stops the strain of an element then.
+A lay that begins with slack is limp: an element gets shorter by T / `yields`, to nothing under a
+small part of what its tension may be wrong by. So slack lies where it fell, and what hangs above it
+is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The relaxed energy
+density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by which
+D is as large as that pressure. Nothing else stops the strain of an element then.
 
 A line that hangs free bears what its tension may be wrong by, and keeps a hundredth of EA beyond;
 down to a tolerance from which on the mesh resolves its folds.
@@ -25,7 +25,6 @@ from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, LAYS_SLACK
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
 SLOWEST_FOLD = 1e-3  # in sqrt(L/g): rate of folding down to which it dissipates as much
-WAVE_LASTS = 0.01  # sqrt(L/g): pressure that is over sooner is a wave, and no slack
 PRESSED_EA = 0.01  # of its axial stiffness, what resists where cable that hangs bends aside
 FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
 
@@ -66,7 +65,9 @@ def has_slack(I, M, promised):
 def choose_limp(I, M):
     """Under what pressure elements of the state bend aside, by the largest tension so far.
 
-    None where nothing damps what snaps back, in air, and where no tension is promised.
+    None where nothing damps what snaps back, in air, and where no tension is promised. A lay with
+    slack is limp once it is pressed. Legs of moorings and loads that land would snap until no step
+    was small enough: their cable folds by `sea_floor.least_bending`.
     """
     head = header(I)
     state = scalars(M)
@@ -74,10 +75,9 @@ def choose_limp(I, M):
     if state.undamped != 0.0 or largest > 1e300:
         return
     promised = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
-    if not has_slack(I, M, promised):
+    if head.limp != LAYS_SLACK or not has_slack(I, M, promised):
         state.taut_at = state.time
-    lasts = 0.0 if head.limp == LAYS_SLACK else WAVE_LASTS * state.period
-    limp = state.time > state.taut_at + lasts
+    limp = state.time > state.taut_at
     state.yields = BORNE * promised if limp else 0.0
     bears = promised_tension(M)
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN

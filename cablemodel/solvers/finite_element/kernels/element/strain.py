@@ -135,6 +135,46 @@ def tensions_after(M, edge, t0, t1, change0, change1):
 
 
 @kernel
+def strain_moments(M, edge, t0, t1):
+    """Means over an element of its strain [-], alone and times P1, under the tension t0 + t1 P1
+    [N], with what bends aside."""
+    r0 = 0.0
+    r1 = 0.0
+    for g in range(3):
+        tension = t0 + t1 * P1[g]
+        strain, _slope = strain_and_slope(
+            M,
+            tension,
+            edge.tension_low,
+            edge.tension_high,
+            int(edge.strain_offset),
+            int(edge.strain_terms),
+        )
+        aside, _softness = strain_aside(edge, tension)
+        r0 += WEIGHT[g] * (strain + aside)
+        r1 += WEIGHT_P1[g] * (strain + aside)
+    return r0, r1
+
+
+@kernel
+def tensions_of_both(M, upper, lower, t0, t1, t2, t3):
+    """Tension (mean, times P1) [N] of one element in the place of two of a cable under t0 + t1 P1
+    and t2 + t3 P1, with their strain: a mean of tensions has another where some bends aside."""
+    h = upper.length + lower.length
+    x = upper.length / h
+    y = lower.length / h
+    a0, a1 = strain_moments(M, upper, t0, t1)
+    b0, b1 = strain_moments(M, lower, t2, t3)
+    mean = x * t0 + y * t2
+    slope = 0.5 * (t2 + t3 - t0 + t1)
+    r0, r1 = strain_moments(M, lower, mean, slope)
+    r0 = x * a0 + y * b0 - r0
+    r1 = x * (x * a1 - y * a0) + y * (y * b1 + x * b0) - r1
+    d0, d1, _others = tensions_after(M, lower, mean, slope, r0, r1)
+    return mean + d0, slope + d1
+
+
+@kernel
 def overstretched(I, M):
     """The first node whose element is longer than any cable can be stretched to; 0: none."""
     head = header(I)

@@ -14,6 +14,7 @@ steps; splitting a cubic is exact, in position, velocity, acceleration and tensi
 """
 
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
+from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, tensions_of_both
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     cable_paid,
@@ -508,12 +509,29 @@ def join_at(I, M, node, count):
             turn[i] = matter.velocity[dimension + i]
             turn_rate[i] = matter.acceleration[dimension + i]
     start = edge_of(I, M, upper).start
+    aside = is_limp(edge_of(I, M, lower))
+    both0 = 0.0
+    both1 = 0.0
+    if aside:
+        t = head.tension
+        both0, both1 = tensions_of_both(
+            M,
+            edge_of(I, M, upper),
+            edge_of(I, M, lower),
+            M[t + 2 * upper],
+            M[t + 2 * upper + 1],
+            M[t + 2 * lower],
+            M[t + 2 * lower + 1],
+        )
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
         top = M[t + 2 * upper] - M[t + 2 * upper + 1]
         bottom = M[t + 2 * lower] + M[t + 2 * lower + 1]
         M[t + 2 * lower] = (h1 * M[t + 2 * upper] + h2 * M[t + 2 * lower]) / h
         M[t + 2 * lower + 1] = 0.5 * (bottom - top)
+    if aside:
+        M[head.tension + 2 * lower] = both0
+        M[head.tension + 2 * lower + 1] = both1
     edge_of(I, M, lower).length = h
     edge_of(I, M, lower).start = start
     edge_of(I, M, lower).stabilisation = least_stiffness(M, edge_of(I, M, lower))

@@ -16,6 +16,7 @@ with more of the cable awake.
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, strain_moments
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
     bristle_at,
@@ -413,7 +414,8 @@ def prepare_joining(I, M, first):
     """Give r' the length that the tension gives it beyond a node, where cable may sleep.
 
     The elements' third strain mode, which only a numerical stiffness holds, moves slowly; where it
-    stood still with the cable, elements that lie straight could not be joined.
+    stood still with the cable, elements that lie straight could not be joined. Where some of an
+    element bends aside the other two modes say the length: tension says it at no single place.
     """
     head = header(I)
     dimension = head.dimension
@@ -423,14 +425,19 @@ def prepare_joining(I, M, first):
         if I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
+        t0 = M[head.tension + 2 * node]
+        t1 = M[head.tension + 2 * node + 1]
         strain, _slope = strain_and_slope(
             M,
-            M[head.tension + 2 * node] + M[head.tension + 2 * node + 1],
+            t0 + t1,
             edge.tension_low,
             edge.tension_high,
             int(edge.strain_offset),
             int(edge.strain_terms),
         )
+        if may_be_slack(edge, t0, t1):
+            mean, first_mode = strain_moments(M, edge, t0, t1)
+            strain = mean + 3.0 * first_mode
         at = head.position + dimension * (2 * node + 1)
         square = 0.0
         for i in range(dimension):
