@@ -213,3 +213,52 @@ def test_a_buoy_that_is_pushed_bobs_as_long_at_any_interval_of_the_caller(interv
             found.append(model.lines["leg"].end_tension)
     expected = first + spring * exact.y[0]
     assert np.abs(found - expected).max() < 10.0 * TAU * expected.max()
+
+
+def smooth(t: np.ndarray) -> np.ndarray:
+    """From 0 to 1 in eight seconds, without a jump of acceleration."""
+    x = np.clip(t / 8.0, 0.0, 1.0)
+    return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x * x))
+
+
+def between_ships(tolerance: float) -> dict[str, Any]:
+    """A wire between two ships that follow rows of velocity, at 20 Hz."""
+    times = np.round(np.arange(0.0, 26.0, 0.05), 9)
+
+    def first(t: np.ndarray) -> np.ndarray:
+        return smooth(t) * np.array([0.8 * np.sin(0.8 * t), 0.0 * t, 1.5 * np.sin(0.8 * t)])
+
+    def second(t: np.ndarray) -> np.ndarray:
+        sideways = 0.6 * np.sin(0.5 * t)
+        return smooth(t) * np.array([0.5 * np.sin(1.1 * t + 1.0), sideways, -1.2 * np.sin(0.8 * t)])
+
+    ships = {}
+    for name, way, x in (("A", first, 0.0), ("B", second, 240.0)):
+        rates = ((way(times + 1e-4) - way(times - 1e-4)) / 2e-4).T
+        pairs = zip(times.tolist(), rates.tolist(), strict=True)
+        ships[name] = {
+            "position": [x, 0, 0], "points": {"p": [0, 0, 0]}, "interpolation": "cubic",
+            "velocity": [{"t": t, "velocity": rate} for t, rate in pairs],
+        }  # fmt: skip
+    wire = {"diameter": 0.05, "mass": 10.5, "axial_stiffness": 80e6, "drag_normal": 1.2}
+    line = {"from": "A.p", "to": "B.p", "items": [{"cable": {"type": "wire", "length": 260.0}}]}
+    return {
+        "cable_types": {"wire": wire}, "vessels": ships, "lines": {"w": line},
+        "solver": {"tolerance": tolerance},
+    }  # fmt: skip
+
+
+def test_short_steps_after_long_ones_feed_no_ring() -> None:
+    """The wire's second ring along itself turns by three in the natural step, which ends just
+    before each row of the ships' velocities: the rest is a short one."""
+    tension = {}
+    for tolerance, interval in ((1e-5, 0.25), (1e-4, 0.25), (1e-4, 0.5)):
+        model = SystemModel(between_ships(tolerance))
+        found = tension[tolerance, interval] = {}
+        for k in range(round(25.0 / interval)):
+            model.step_to((k + 1) * interval)
+            found[model.time] = model.lines["w"].start_tension
+    fine = tension.pop((1e-5, 0.25))
+    for found in tension.values():
+        off = max(abs(value - fine[t]) for t, value in found.items())
+        assert off < 0.5 * 10.0 * 1e-4 * max(fine.values())

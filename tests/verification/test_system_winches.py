@@ -118,41 +118,63 @@ def test_a_taut_wire_is_reeled_in(way: int) -> None:
     assert np.mean(tops) == pytest.approx(expected, rel=2e-3)
 
 
-def test_a_wire_that_runs_from_one_winch_to_another_keeps_its_catenary() -> None:
-    """What runs along itself at V needs m V^2 more tension to go round its bends: the shape stays,
-    the tension rises by m V^2 everywhere."""
-    span, length, speed = 50.0, 60.0, 5.0
-    rate = rates((0, 0), (50, speed))
+SPAN, RUNS = 50.0, 60.0
+"""Of a wire from one winch to another: between them, and its length [m]."""
+
+
+def running(speed: float, since: float, environment: dict[str, Any] | None = None) -> SystemModel:
+    """A wire that is paid out by one winch as another hauls it in, at that speed [m/s] from a time
+    on."""
+    rate = rates((0, 0), (since, speed))
     scene = between(
-        vessels={"ship": {"points": {"bow": [0, 0, 0], "stern": [-span, 0, 0]}}},
+        vessels={"ship": {"points": {"bow": [0, 0, 0], "stern": [-SPAN, 0, 0]}}},
         lines={
             "loop": {
                 "from": "ship.bow", "to": "ship.stern",
-                "items": [{"cable": {"type": "wire", "length": length, "model": "cable"}}],
+                "items": [{"cable": {"type": "wire", "length": RUNS, "model": "cable"}}],
             }
         },
         winches={
             "fore": {"line": "loop", "at": "start", "drum": 2000, "rate": rate},
             "aft": {
-                "line": "loop", "at": "end", "rate": rates((0, 0), (50, -speed)),
+                "line": "loop", "at": "end", "rate": rates((0, 0), (since, -speed)),
             },
         },
-        solver={"tolerance": 1e-4},
     )  # fmt: skip
-    model = SystemModel(scene)
-    before = model.lines["loop"].sample(np.linspace(0.0, length, 7))
-    a = brentq(lambda a: 2.0 * a * np.sinh(0.5 * span / a) - length, 1.0, 1e3)
-    assert before.tension[0] == pytest.approx(2.0 * G * np.hypot(a, 0.5 * length), rel=1e-3)
+    return SystemModel(scene | {"environment": environment or scene["environment"]})
+
+
+@pytest.mark.parametrize("speed", [4.5, 5.0])
+def test_a_wire_that_runs_from_one_winch_to_another_keeps_its_catenary(speed: float) -> None:
+    """What runs along itself at V needs m V^2 more tension to go round its bends: the shape stays,
+    the tension rises by m V^2 everywhere."""
+    model = running(speed, 16.0)
+    before = model.lines["loop"].sample(np.linspace(0.0, RUNS, 7))
+    a = brentq(lambda a: 2.0 * a * np.sinh(0.5 * SPAN / a) - RUNS, 1.0, 1e3)
+    assert before.tension[0] == pytest.approx(2.0 * G * np.hypot(a, 0.5 * RUNS), rel=1e-3)
     found = []
-    for time in range(2, 101, 2):
+    for time in range(1, 33):
         model.step_to(float(time))
-        if time > 54:
+        if time > 18:
             assert model.winches["fore"].payout_rate == pytest.approx(speed)
-            found.append(model.lines["loop"].sample(np.linspace(0.0, length, 7)))
+            found.append(model.lines["loop"].sample(np.linspace(0.0, RUNS, 7)))
     rise = np.mean([state.tension for state in found], axis=0) - before.tension
     assert rise == pytest.approx(2.0 * speed**2, rel=0.05)
     moved = np.mean([state.position for state in found], axis=0) - before.position
     assert np.abs(moved).max() < 0.05
+
+
+@pytest.mark.xfail(
+    strict=True, reason="what runs from winch to winch rings along itself, ever more"
+)
+def test_a_wire_that_runs_on_in_water_does_not_begin_to_ring() -> None:
+    model = running(5.0, 50.0, {"water_density": 1025.0, "gravity": G})
+    found = []
+    for time in range(2, 101, 2):
+        model.step_to(float(time))
+        if time > 80:
+            found.append(model.lines["loop"].sample(np.linspace(0.0, RUNS, 7)).tension)
+    assert np.ptp(found, axis=0).max() < 2.0 * 10.0 * 1e-3 * np.max(found)
 
 
 def bridle(first: str = "left") -> dict[str, Any]:

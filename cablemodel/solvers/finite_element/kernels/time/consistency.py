@@ -13,7 +13,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.frames import (
     move_frames_on,
     point_motion,
 )
-from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA
+from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAGES
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces, scale_gaps
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.line.system import (
@@ -23,6 +23,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     recover_tension,
     residual,
     set_time,
+    stretch_rate,
 )
 from cablemodel.solvers.shared.access import constraint_of, frame_of, header, new_motion, scalars
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
@@ -40,8 +41,9 @@ NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AFTER_A_VELOCITY_JUMP = 4.0  # last steps: so much longer ones begin without its acceleration
 SEEN = 0.1  # of the local error: what that acceleration would move the line by
-JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
+LEAST_PROJECTED = 0.25  # share of that, below which a step of order 4 would feed the line's ring
+JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 
 
 @kernel
@@ -76,22 +78,18 @@ def state_residual(I, M):
 
 
 @kernel
-def project(I, M, array, share):
-    """Remove a share of what is left of the constraint from an array of the state, by its word."""
+def project_position(I, M):
+    """Remove what is left of the constraint from the positions; the increment remains."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
     forces = view(M, head.residual, count)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
     x = view(M, head.increment, count)
-    motion = view(M, array, count)
-    if share != 1.0:
-        for n in range(2 * head.nodes):
-            constraint[n] *= share
-        scale_gaps(I, M, share)
+    position = view(M, head.position, count)
     forces[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):
-        motion[n] += x[n]
+        position[n] += x[n]
 
 
 @kernel
@@ -105,13 +103,47 @@ def state_elongation_rate(I, M):
 
 
 @kernel
-def follow_increment(I, M, array):
-    """Let tensions, or their rates, by their word, follow the last increment."""
+def follow_increment(I, M):
+    """Let tensions follow the last increment of the positions."""
     head = header(I)
     words = 2 * head.nodes
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, 2 * head.dimension * head.nodes)
-    recover_tension(I, M, constraint, x, view(M, array, words), False)
+    recover_tension(I, M, constraint, x, view(M, head.tension, words), False)
+
+
+@kernel
+def project_on_to_rates(I, M, passes, share, follow):
+    """Remove from the velocity a share of what stretches the line at another rate than its tensions
+    change; follow: their rates become those of the velocity.
+
+    Those rates are differences: of a ring that turns by w dt = 3 in a step they are wrong by all
+    of it, and would feed it. One pass takes x^2 / (1 + x^2) of what stretches with x = w gamma dt,
+    by the matrix; the next takes that part of the part. With a pass for each stage of order 4 no
+    ring grows, whatever it turns by, and what is too stiff to be followed is taken as before.
+    """
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    velocity = view(M, head.velocity, count)
+    state_elongation_rate(I, M)
+    for again in range(passes):
+        if again > 0:
+            stretch_rate(I, M, x, constraint)
+            scale_gaps(I, M, -1.0)
+            for n in range(words):
+                constraint[n] = -constraint[n]
+        forces[:] = 0.0
+        newton_increment(I, M, forces, constraint, x)
+    if follow:
+        if passes > 1:
+            state_elongation_rate(I, M)
+        recover_tension(I, M, constraint, x, view(M, head.tension_rate, words), False)
+    for n in range(count):
+        velocity[n] += share * x[n]
 
 
 @kernel
@@ -131,10 +163,9 @@ def project_velocity(I, M, gamma_dt):
         return
     stiffness = state.axial * gamma_dt * gamma_dt
     share = stiffness / (stiffness + AXIAL_RESOLVED)
-    if share < 0.1 or refactor_state(I, M, gamma_dt) != 0:
+    if share < LEAST_PROJECTED or refactor_state(I, M, gamma_dt) != 0:
         return
-    state_elongation_rate(I, M)
-    project(I, M, head.velocity, share)
+    project_on_to_rates(I, M, 1, share, False)
     head.has_history = 0
 
 
@@ -153,7 +184,7 @@ def constraint_size(I, M):
 
 
 @kernel
-def meet_constraints(I, M, gamma_dt, changed):
+def meet_constraints(I, M, gamma_dt, changed, passes):
     """Bring positions and velocities to the constraint in the norm of a step; False: it failed."""
     head = header(I)
     state = scalars(M)
@@ -163,23 +194,20 @@ def meet_constraints(I, M, gamma_dt, changed):
     for iteration in range(4 if changed else 3):
         if iteration > 0:
             state_residual(I, M)
-        project(I, M, head.position, 1.0)
+        project_position(I, M)
         if not changed:
-            follow_increment(I, M, head.tension)
+            follow_increment(I, M)
             follow_forces(I, M)
     after = constraint_size(I, M)
     for _iteration in range(2):
         if head.payout != 0:
             state_residual(I, M)
-        state_elongation_rate(I, M)
-        project(I, M, head.velocity, 1.0)
-        if not changed:
-            follow_increment(I, M, head.tension_rate)
+        project_on_to_rates(I, M, passes, 1.0, not changed)
     return after <= before + NEGLIGIBLE * state.length
 
 
 @kernel
-def make_consistent(I, M, changed):
+def make_consistent(I, M, changed, scheme):
     """Remove what a step much shorter than the last one would answer with huge tensions.
 
     A step leaves the constraint |r'| = 1 + strain(T) and its time derivative met to Newton's and
@@ -194,7 +222,8 @@ def make_consistent(I, M, changed):
     state = scalars(M)
     if state.last_step == 0.0:
         return
-    gamma_dt = GAMMA[0] * state.last_step
+    gamma_dt = GAMMA[scheme] * state.last_step
+    passes = STAGES[1] if scheme == 1 else 1
     if changed:
         slow = AXIAL_SLOW * state.joined / (state.length * math.sqrt(state.axial))
         gamma_dt = max(slow, gamma_dt)
@@ -205,7 +234,7 @@ def make_consistent(I, M, changed):
         copy_words(I, head.base_velocity, head.velocity, count)
         copy_words(I, head.trial_tension, head.tension, words)
         copy_words(I, head.stage_tension, head.tension_rate, words)
-        if meet_constraints(I, M, gamma_dt, changed):
+        if meet_constraints(I, M, gamma_dt, changed, passes):
             break
         # Under pressure a long step's matrix may have no sign: inertia has.
         copy_words(I, head.position, head.base_position, count)
@@ -233,9 +262,11 @@ def take_rates_from_velocity(I, M):
     if head.payout != 0:
         state_residual(I, M)
     state_elongation_rate(I, M)
+    words = 2 * head.nodes
+    constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, 2 * head.dimension * head.nodes)
     x[:] = 0.0
-    follow_increment(I, M, head.tension_rate)
+    recover_tension(I, M, constraint, x, view(M, head.tension_rate, words), False)
 
 
 @kernel

@@ -190,7 +190,7 @@ def change_mesh(I, M, rests):
         return NO_CAPACITY
     if rests:
         fall_asleep(I, M, first)  # what was joined is made consistent when it wakes
-    make_consistent(I, M, True)
+    make_consistent(I, M, True, 0)
     state.joined = 0.0
     return OK
 
@@ -333,7 +333,7 @@ def make_ready(I, M, plan):
     if dt < 0.2 * state.last_step:
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
         if state.time != plan.jolted:
-            make_consistent(I, M, False)
+            make_consistent(I, M, False, plan.unprojected)
     elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_velocity_jump(
         I, M, dt
     ):
