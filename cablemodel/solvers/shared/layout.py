@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 21
+VERSION = 22
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -208,7 +208,6 @@ class Scalars(Record, first=HEADER_WORDS):
     axial = real("stiffness of the whole line over its mass", "1/s2")
     undamped = real("1: drag does not damp the line's motion")
     yields = real("pressure that shortens limp elements to nothing; 0: none is limp", "N")
-    taut_at = real("last time at which no slack lay", "s")
     joined = real("longest element that a change of the mesh has joined", "m")
 
     # Sea floor.

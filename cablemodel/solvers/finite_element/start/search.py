@@ -46,18 +46,23 @@ class OutOfTimeError(Exception):
     """The time for a search has passed."""
 
 
+def _clock() -> float:
+    """Time [s]; it stands still while kernels are compiled, which is no search."""
+    return time.monotonic() - time_compiling()
+
+
 @dataclass
 class Search:
     """A search for a start, since when it runs, for how long it may [s], and what it tried."""
 
     limit: float
-    began: float = field(default_factory=lambda: time.monotonic() - time_compiling())
+    began: float = field(default_factory=_clock)
     tried: list[str] = field(default_factory=list)
 
     @property
     def left(self) -> float:
-        """Time that is left [s]; what kernels take to be compiled on the way is no search."""
-        return self.began + self.limit - (time.monotonic() - time_compiling())
+        """Time that is left [s]."""
+        return self.began + self.limit - _clock()
 
     def tries(self, what: str) -> None:
         """Say what is tried now."""

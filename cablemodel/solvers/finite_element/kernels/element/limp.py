@@ -37,13 +37,13 @@ def push_of(M, edge):
 
 @kernel
 def has_slack(I, M, promised):
-    """Whether flexible cable of one line is slack: where it lies its material is pressed, or would
+    """Whether flexible cable of a lay is slack: where it lies its material is pressed, or would
     be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than half of
     what folds of its least bending push back with. What hangs may be pressed by a blow; cable that
     bends and lies straight may bear more than its folds do."""
     head = header(I)
     q = view(M, head.position, 2 * head.dimension * head.nodes)
-    if head.parts != 0 or not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
+    if not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
         return False
     for node in range(1, head.nodes):
         pressure = -M[head.tension + 2 * node]
@@ -75,9 +75,7 @@ def choose_limp(I, M):
     if state.undamped != 0.0 or largest > 1e300:
         return
     promised = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
-    if head.limp != LAYS_SLACK or not has_slack(I, M, promised):
-        state.taut_at = state.time
-    limp = state.time > state.taut_at
+    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M, promised)
     state.yields = BORNE * promised if limp else 0.0
     bears = promised_tension(M)
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN

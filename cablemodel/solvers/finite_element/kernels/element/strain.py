@@ -2,7 +2,7 @@
 
 from cablemodel.solvers.finite_element.kernels.element.tables import P1, WEIGHT, WEIGHT_P1
 from cablemodel.solvers.shared.access import edge_of, header, scalars
-from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     LARGEST_STRAIN,
 )
@@ -81,6 +81,40 @@ def energy_aside(edge, tension):
 
 
 @kernel
+def moments(M, edge, t0, t1):
+    """Means over an element of its strain [-], alone and times P1, under the tension t0 + t1 P1
+    [N], with what bends aside; their derivatives by t0, t1 and both [1/N]; and which of its points
+    bend aside, a bit for each."""
+    r0 = 0.0
+    r1 = 0.0
+    c00 = 0.0
+    c01 = 0.0
+    c11 = 0.0
+    bent = 0
+    for g in range(3):
+        tension = t0 + t1 * P1[g]
+        strain, slope = strain_and_slope(
+            M,
+            tension,
+            edge.tension_low,
+            edge.tension_high,
+            int(edge.strain_offset),
+            int(edge.strain_terms),
+        )
+        aside, softness = strain_aside(edge, tension)
+        if softness > 0.0:
+            bent += 1 << g
+        strain += aside
+        slope += softness
+        r0 += WEIGHT[g] * strain
+        r1 += WEIGHT_P1[g] * strain
+        c00 += WEIGHT[g] * slope
+        c01 += WEIGHT_P1[g] * slope
+        c11 += WEIGHT_P1[g] * P1[g] * slope
+    return r0, r1, c00, c01, c11, bent
+
+
+@kernel
 def tensions_after(M, edge, t0, t1, change0, change1):
     """What the tension t0 + t1 P1 of an element changes by [N] as means of its strain do [-], alone
     and times P1; and whether other points of it bend aside than did.
@@ -94,32 +128,7 @@ def tensions_after(M, edge, t0, t1, change0, change1):
     before = 0
     now = 0
     for iteration in range(PIECES + 1):
-        r0 = 0.0
-        r1 = 0.0
-        c00 = 0.0
-        c01 = 0.0
-        c11 = 0.0
-        now = 0
-        for g in range(3):
-            tension = t0 + t1 * P1[g]
-            strain, slope = strain_and_slope(
-                M,
-                tension,
-                edge.tension_low,
-                edge.tension_high,
-                int(edge.strain_offset),
-                int(edge.strain_terms),
-            )
-            aside, softness = strain_aside(edge, tension)
-            if softness > 0.0:
-                now += 1 << g
-            strain += aside
-            slope += softness
-            r0 += WEIGHT[g] * strain
-            r1 += WEIGHT_P1[g] * strain
-            c00 += WEIGHT[g] * slope
-            c01 += WEIGHT_P1[g] * slope
-            c11 += WEIGHT_P1[g] * P1[g] * slope
+        r0, r1, c00, c01, c11, now = moments(M, edge, t0, t1)
         if iteration == 0:
             before = now
             wanted0 += r0
@@ -135,42 +144,25 @@ def tensions_after(M, edge, t0, t1, change0, change1):
 
 
 @kernel
-def strain_moments(M, edge, t0, t1):
-    """Means over an element of its strain [-], alone and times P1, under the tension t0 + t1 P1
-    [N], with what bends aside."""
-    r0 = 0.0
-    r1 = 0.0
-    for g in range(3):
-        tension = t0 + t1 * P1[g]
-        strain, _slope = strain_and_slope(
-            M,
-            tension,
-            edge.tension_low,
-            edge.tension_high,
-            int(edge.strain_offset),
-            int(edge.strain_terms),
-        )
-        aside, _softness = strain_aside(edge, tension)
-        r0 += WEIGHT[g] * (strain + aside)
-        r1 += WEIGHT_P1[g] * (strain + aside)
-    return r0, r1
-
-
-@kernel
-def tensions_of_both(M, upper, lower, t0, t1, t2, t3):
-    """Tension (mean, times P1) [N] of one element in the place of two of a cable under t0 + t1 P1
-    and t2 + t3 P1, with their strain: a mean of tensions has another where some bends aside."""
-    h = upper.length + lower.length
-    x = upper.length / h
-    y = lower.length / h
-    a0, a1 = strain_moments(M, upper, t0, t1)
-    b0, b1 = strain_moments(M, lower, t2, t3)
+def tensions_of_both(I, M, upper, lower):
+    """Tension (mean, times P1) [N] of one element in the place of two of a cable, with their
+    strain: a mean of tensions has another where some bends aside."""
+    above = edge_of(I, M, upper)
+    below = edge_of(I, M, lower)
+    tension = view(M, header(I).tension, 2 * header(I).nodes)
+    t0, t1 = tension[2 * upper], tension[2 * upper + 1]
+    t2, t3 = tension[2 * lower], tension[2 * lower + 1]
+    h = above.length + below.length
+    x = above.length / h
+    y = below.length / h
+    a0, a1, _c, _c01, _c11, _bent = moments(M, above, t0, t1)
+    b0, b1, _c, _c01, _c11, _bent = moments(M, below, t2, t3)
     mean = x * t0 + y * t2
     slope = 0.5 * (t2 + t3 - t0 + t1)
-    r0, r1 = strain_moments(M, lower, mean, slope)
+    r0, r1, _c, _c01, _c11, _bent = moments(M, below, mean, slope)
     r0 = x * a0 + y * b0 - r0
     r1 = x * (x * a1 - y * a0) + y * (y * b1 + x * b0) - r1
-    d0, d1, _others = tensions_after(M, lower, mean, slope, r0, r1)
+    d0, d1, _others = tensions_after(M, below, mean, slope, r0, r1)
     return mean + d0, slope + d1
 
 

@@ -513,16 +513,7 @@ def join_at(I, M, node, count):
     both0 = 0.0
     both1 = 0.0
     if aside:
-        t = head.tension
-        both0, both1 = tensions_of_both(
-            M,
-            edge_of(I, M, upper),
-            edge_of(I, M, lower),
-            M[t + 2 * upper],
-            M[t + 2 * upper + 1],
-            M[t + 2 * lower],
-            M[t + 2 * lower + 1],
-        )
+        both0, both1 = tensions_of_both(I, M, upper, lower)
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
         top = M[t + 2 * upper] - M[t + 2 * upper + 1]

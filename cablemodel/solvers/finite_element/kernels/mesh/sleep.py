@@ -16,7 +16,7 @@ with more of the cable awake.
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, strain_moments
+from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
     bristle_at,
@@ -436,7 +436,7 @@ def prepare_joining(I, M, first):
             int(edge.strain_terms),
         )
         if may_be_slack(edge, t0, t1):
-            mean, first_mode = strain_moments(M, edge, t0, t1)
+            mean, first_mode, _c00, _c01, _c11, _bent = moments(M, edge, t0, t1)
             strain = mean + 3.0 * first_mode
         at = head.position + dimension * (2 * node + 1)
         square = 0.0

@@ -41,9 +41,9 @@ NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
 AXIAL_SLOW = 2.5  # gamma dt over the time that an axial wave takes along a joined element
 AFTER_A_VELOCITY_JUMP = 4.0  # last steps: so much longer ones begin without its acceleration
 SEEN = 0.1  # of the local error: what that acceleration would move the line by
+JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 LEAST_PROJECTED = 0.25  # share of that, below which a step of order 4 would feed the line's ring
-JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 
 
 @kernel
@@ -103,13 +103,13 @@ def state_elongation_rate(I, M):
 
 
 @kernel
-def follow_increment(I, M):
-    """Let tensions follow the last increment of the positions."""
+def follow_increment(I, M, array):
+    """Let tensions, or their rates, by their word, follow the last increment."""
     head = header(I)
     words = 2 * head.nodes
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, 2 * head.dimension * head.nodes)
-    recover_tension(I, M, constraint, x, view(M, head.tension, words), False)
+    recover_tension(I, M, constraint, x, view(M, array, words), False)
 
 
 @kernel
@@ -141,7 +141,7 @@ def project_on_to_rates(I, M, passes, share, follow):
     if follow:
         if passes > 1:
             state_elongation_rate(I, M)
-        recover_tension(I, M, constraint, x, view(M, head.tension_rate, words), False)
+        follow_increment(I, M, head.tension_rate)
     for n in range(count):
         velocity[n] += share * x[n]
 
@@ -196,7 +196,7 @@ def meet_constraints(I, M, gamma_dt, changed, passes):
             state_residual(I, M)
         project_position(I, M)
         if not changed:
-            follow_increment(I, M)
+            follow_increment(I, M, head.tension)
             follow_forces(I, M)
     after = constraint_size(I, M)
     for _iteration in range(2):
@@ -214,6 +214,8 @@ def make_consistent(I, M, changed, scheme):
     the integrator's tolerance. A following step of dt turns such an error of d (in r) or w (in v)
     into forces of m d / dt^2 and m w / dt. Both are projected out here in the norm of the last
     step's matrix: slow modes, which that step resolved, are left as they are.
+
+    scheme: that of the last step.
 
     Where the mesh has changed the errors are those of joined elements: tensions and their rates
     are held, in the norm of a step that does not resolve these elements' axial motion.
@@ -262,11 +264,9 @@ def take_rates_from_velocity(I, M):
     if head.payout != 0:
         state_residual(I, M)
     state_elongation_rate(I, M)
-    words = 2 * head.nodes
-    constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, 2 * head.dimension * head.nodes)
     x[:] = 0.0
-    recover_tension(I, M, constraint, x, view(M, head.tension_rate, words), False)
+    follow_increment(I, M, head.tension_rate)
 
 
 @kernel
