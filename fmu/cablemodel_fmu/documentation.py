@@ -253,13 +253,17 @@ def picture(
 def _distance(
     columns: NDArray[np.float64], rows: NDArray[np.float64], line: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Of every pixel from a polyline (n, 2) [pixels]."""
+    """Of every pixel from a polyline (n, 2) [pixels]; infinite where it is more than two."""
     nearest = np.full(columns.shape, np.inf)
     for (x0, y0), (x1, y1) in itertools.pairwise(line):
+        across, down = (
+            slice(max(int(min(ends)) - 3, 0), max(int(max(ends)) + 3, 0))
+            for ends in ((x0, x1), (y0, y1))
+        )
+        near, x, y = nearest[down, across], columns[down, across] - x0, rows[down, across] - y0
         dx, dy = x1 - x0, y1 - y0
-        part = ((columns - x0) * dx + (rows - y0) * dy) / max(dx * dx + dy * dy, 1e-12)
-        part = np.clip(part, 0.0, 1.0)
-        np.minimum(nearest, np.hypot(columns - x0 - part * dx, rows - y0 - part * dy), out=nearest)
+        part = np.clip((x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0.0, 1.0)
+        np.minimum(near, np.hypot(x - part * dx, y - part * dy), out=near)
     return nearest
 
 
