@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
 
 import cablemodel as cm
 
@@ -58,22 +59,25 @@ def rod(length: Callable[[float], tuple[float, float, float]],
     bend = np.array([4.0 * legendre.legval(points, legendre.legder(c, 2)) for c in unit])
     lower = np.array([legendre.legval(-1.0, c) - 1.0 for c in unit])
     upper = np.array([2.0 * legendre.legval(1.0, legendre.legder(c)) for c in unit])
+    inertia = MASS * shape * weights
+    moved, carried, bent = inertia.sum(1), inertia @ (at * slope).T, inertia @ (at**2 * bend).T
+    spring = STIFFNESS * (slope * weights) @ slope.T
     weight = WEIGHT * shape @ weights
+    # By these the mass of a line of any length, with its load, is inverted.
+    loads, modes = eigh(LOAD * np.outer(lower, lower), inertia @ shape.T)
+    back = modes.T.copy()
 
     def motion(t: float, state: np.ndarray) -> np.ndarray:
         a, b = state[:TERMS], state[TERMS:]
         size, rate, kink = length(t)
         g, ahead = rate / size, held(t) - kink
-        mass = MASS * size * (shape * weights) @ shape.T + LOAD * np.outer(lower, lower)
-        moved = ahead - 2.0 * at * g * (b @ slope) + (at * g) ** 2 * (a @ bend)
-        moved += at * (2.0 * g * g - kink / size) * (a @ slope)
-        force = -MASS * size * (shape * weights) @ moved - LOAD * lower * ahead
-        force -= STIFFNESS / size * (slope * weights) @ (a @ slope)
-        force -= size * weight + LOAD_WEIGHT * lower
-        return np.concatenate([b, np.linalg.solve(mass, force)])
+        force = -(size * moved + LOAD * lower) * ahead - size * weight - LOAD_WEIGHT * lower
+        force -= spring @ a / size
+        if rate:
+            force += size * g * (carried @ (2.0 * b - (2.0 * g - kink / rate) * a) - g * (bent @ a))
+        return np.concatenate([b, modes @ (back @ force / (size + loads))])
 
-    stretch = STIFFNESS / LENGTH * (slope * weights) @ slope.T
-    still = -np.linalg.solve(stretch, LENGTH * weight + LOAD_WEIGHT * lower)
+    still = -np.linalg.solve(spring / LENGTH, LENGTH * weight + LOAD_WEIGHT * lower)
     state, begin, found = np.concatenate([still, np.zeros(TERMS)]), 0.0, []
     outputs = np.arange(1, round(UNTIL / INTERVAL) + 1) * INTERVAL
     for end in (*kinks, outputs[-1]):

@@ -1,5 +1,7 @@
 """Answers to ordinary jobs that no code of this project made: springs, masses, force balances."""
 
+from functools import cache
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -15,6 +17,15 @@ LOAD, ADDED = 20_000.0, 10_000.0
 def lumped_load(times, pieces=20):
     """Top tension [N] of docs/jobs/winch_stop.yaml at times [s] from the winch's first slow-down
     on: the wire is lumped masses on springs, the load drags along its axis."""
+    spring = STIFFNESS * pieces / LENGTH
+    ramp = np.clip(times, 0.0, 0.2)
+    uppermost = _lumped_load(times[-1], pieces)(times)[0]
+    return spring * (uppermost - 0.5 * ramp + 0.5 * 2.5 * ramp**2)
+
+
+@cache
+def _lumped_load(duration, pieces):
+    """Places and speeds of the lumped masses, as a function of times."""
     piece = LENGTH / pieces
     spring = STIFFNESS / piece
     weight = CABLE_MASS * 9.80665 - 1025.0 * 9.80665 * np.pi * 0.03**2
@@ -38,12 +49,12 @@ def lumped_load(times, pieces=20):
     below -= 0.5 * 1025.0 * 6.0 * 0.5**2
     start = np.concatenate([np.cumsum(below / spring), np.full(pieces, 0.5)])
     solved = solve_ivp(
-        stretch_rates, (0.0, times[-1]), start, "DOP853", t_eval=times, rtol=1e-9, atol=1e-9
+        stretch_rates, (0.0, duration), start, "DOP853", dense_output=True, rtol=1e-9, atol=1e-9
     )
-    ramp = np.clip(times, 0.0, 0.2)
-    return spring * (solved.y[0] - 0.5 * ramp + 0.5 * 2.5 * ramp**2)
+    return solved.sol
 
 
+@cache
 def tension_only_wire(rates, duration, pieces=20):
     """Highest tension [N] of a load on a wire that cannot push, whose top moves at rates(t)."""
     length, stiffness, mass = 50.0, 180e6, 17.0
