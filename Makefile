@@ -4,8 +4,13 @@
 PYTHON ?= python3
 WORKERS ?= 2
 TOGETHER := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
-# What is never imported need not be compiled.
-INSTALL := -m pip install --quiet --quiet --no-compile
+# What is never imported need not be compiled; what one start of Python compiles the next one finds.
+PIP := -m pip install --quiet --quiet --no-compile
+unexport PYTHONDONTWRITEBYTECODE
+# Installs into an environment. Uv takes seconds where pip takes a minute, and knows nothing of pip's
+# settings: where it fails, pip does it.
+install = $(1)/bin/python $(PIP) 'uv>=0.9,<1' \
+	&& $(1)/bin/python -m uv pip install --quiet --python $(1) $(2) || $(1)/bin/python $(PIP) $(2)
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -14,13 +19,16 @@ READY_BENCH := $(VENV)/.ready-bench
 READY_DOCS := $(VENV)/.ready-docs
 VENV_ROS := .venv-ros
 READY_ROS := $(VENV_ROS)/.ready
+TEST_ROS = $(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
+ROS_SAYS := out/ros_tests.txt
 VENV_MASTERS := .venv-masters
 READY_MASTERS := $(VENV_MASTERS)/.ready
 SCENE := scenes/towed_cable.yaml
 RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
-.PHONY: help demo demo-ros test test-ros lint types browser native libraries wheel test-tools
+.PHONY: help demo demo-ros test test-all-but-ros test-ros test-ros-aside lint types browser native
+.PHONY: libraries wheel test-tools
 .PHONY: bench bench-quick bench-ros count-store valgrind stress validate golden docs clean
 
 help:  ## list what make can do
@@ -33,15 +41,23 @@ demo: $(READY) native  ## simulate a towed cable: log, picture, report, and comp
 	$(BIN)/cablemodel report $(RUN) --output out/towed_cable.html
 	$(BIN)/python examples/towed_cable.py
 
-# What the tests need is made at the same time.
+# What the tests need is made at the same time. Those of the ROS 2 node mostly wait for the clock: they
+# run beside the others, go first, and are shown when both have ended.
 test:  ## check style and types, then run all tests
-	@$(MAKE) --no-print-directory -j 4 $(READY_DEV) $(READY_MASTERS) test-tools
-	@$(MAKE) --no-print-directory -j 4 lint types libraries $(READY_ROS)
-	$(BIN)/python -m pytest $(TOGETHER)
-	$(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
+	@$(MAKE) --no-print-directory $(READY_DEV)
+	@$(MAKE) --no-print-directory -j 6 lint libraries types $(READY_ROS) $(READY_MASTERS) test-tools
+	@$(MAKE) --no-print-directory --keep-going -j 2 test-ros-aside test-all-but-ros; status=$$?; \
+		cat $(ROS_SAYS); exit $$status
+
+test-all-but-ros:
+	nice $(BIN)/python -m pytest $(TOGETHER)
+
+test-ros-aside:
+	@mkdir -p out
+	$(TEST_ROS) >$(ROS_SAYS) 2>&1
 
 test-ros: $(READY_ROS)  ## run the tests of the ROS 2 node only
-	$(VENV_ROS)/bin/python -m pytest $(TOGETHER) tests/interface/ros
+	$(TEST_ROS)
 
 demo-ros: $(READY_ROS)  ## tow along way-points: the ROS 2 node, and a controller with a winch
 	@mkdir -p out
@@ -135,35 +151,41 @@ clean:  ## remove environments, builds, caches and output
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
+# What is installed into each environment.
+FOR_USE := --editable '.[plot,analysis,export,fmu]'
+FOR_DEV := --editable '.[plot,analysis,export,fmu,dev]'
+FOR_BENCH := --editable '.[bench]'
+FOR_DOCS := --editable '.[docs]'
+FOR_ROS := --editable . --editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' \
+	'mujoco>=3.2,<5' 'pytest>=8,<10' 'pytest-xdist>=3.7,<4'
+FOR_MASTERS := 'cofmupy>=1,<2'
+
 # The wheels of rclpy re-execute every start of Python in their environment: they get their own.
 $(READY_ROS): pyproject.toml ros2_node/setup.py
 	$(call environment,$(VENV_ROS))
-	$(VENV_ROS)/bin/python $(INSTALL) --editable . \
-		--editable './ros2_node[wheels,colcon]' 'matplotlib>=3.8,<4' 'mujoco>=3.2,<5' \
-		'pytest>=8,<10' 'pytest-xdist>=3.7,<4'
+	$(call install,$(VENV_ROS),$(FOR_ROS))
 	@touch $@
 
 # CoFMPy wants versions of its own of what tests use. Without it its test is skipped.
 $(READY_MASTERS):
-	@$(PYTHON) -m venv $(VENV_MASTERS) \
-		&& $(VENV_MASTERS)/bin/python $(INSTALL) 'cofmupy>=1,<2' \
+	@$(PYTHON) -m venv $(VENV_MASTERS) && { $(call install,$(VENV_MASTERS),$(FOR_MASTERS)); } \
 		&& touch $@ || echo "No CoFMPy: its test will be skipped."
 
 # The stamps keep a second call from installing again; a change of pyproject.toml does.
 $(READY): pyproject.toml | $(BIN)/python
-	$(BIN)/python $(INSTALL) --editable '.[plot,analysis,export,fmu]'
+	$(call install,$(VENV),$(FOR_USE))
 	@touch $@
 
 $(READY_DEV): pyproject.toml | $(BIN)/python
-	$(BIN)/python $(INSTALL) --editable '.[plot,analysis,export,fmu,dev]'
+	$(call install,$(VENV),$(FOR_DEV))
 	@touch $(READY) $@
 
 $(READY_BENCH): pyproject.toml $(READY_DEV)
-	$(BIN)/python $(INSTALL) --editable '.[bench]'
+	$(call install,$(VENV),$(FOR_BENCH))
 	@touch $@
 
 $(READY_DOCS): pyproject.toml $(READY_DEV)
-	$(BIN)/python $(INSTALL) --editable '.[docs]'
+	$(call install,$(VENV),$(FOR_DOCS))
 	@touch $@
 
 $(BIN)/python:
