@@ -49,6 +49,9 @@ test:  ## check style and types, then run all tests
 	@$(MAKE) --no-print-directory --keep-going -j 2 test-ros-aside test-all-but-ros; status=$$?; \
 		cat $(ROS_SAYS); exit $$status
 
+# Threads of NumPy's own would wait for processors that other tests use, and use them meanwhile.
+test-all-but-ros test-ros test-ros-aside: export OPENBLAS_NUM_THREADS ?= 1
+
 test-all-but-ros:
 	nice $(BIN)/python -m pytest $(TOGETHER)
 
