@@ -7,6 +7,7 @@ made and published; who subscribes is seen within a tenth of a second.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks
@@ -34,6 +35,7 @@ class Outputs:
     def __init__(self, node: Any, session: Session) -> None:
         self._node = node
         self.publishers: dict[str, Any] = {}
+        self._send: dict[str, Callable[[bytes], None]] = {}
         self._listened: frozenset[str] = frozenset()
         self._looked = 0.0
         settings = session.settings
@@ -51,15 +53,20 @@ class Outputs:
                 node.get_logger().warning(f"{topic.name} is left out: no {topic.message} here")
                 continue
             quality = messages.qos(topic.quality)
-            self.publishers[topic.name] = node.create_lifecycle_publisher(
+            publisher = node.create_lifecycle_publisher(
                 kind, topic.name, quality, event_callbacks=_NO_EVENTS
             )
+            self.publishers[topic.name] = publisher
+            # What `publish` of a lifecycle publisher asks before, each time, holds for as long as
+            # the control thread runs: the publisher is active, and not destroyed.
+            self._send[topic.name] = publisher.handle.publish_raw
 
     def destroy(self) -> None:
         """No message goes out any more."""
         for publisher in self.publishers.values():
             self._node.destroy_lifecycle_publisher(publisher)
         self.publishers.clear()
+        self._send.clear()
 
     def listened(self) -> frozenset[str]:
         """Topics that somebody reads."""
@@ -75,11 +82,11 @@ class Outputs:
 
     def publish(self, cycle: Cycle) -> None:
         """What a step gave; called by the control thread."""
-        publishers, listened = self.publishers, self._listened
+        publishers, listened, send = self.publishers, self._listened, self._send
         if _ALWAYS in listened:
             publishers[_ALWAYS].publish(messages.clock(cycle.stamp))
         for topic, data in (*cycle.applied, *cycle.outputs):
             if topic in listened:
-                publishers[topic].publish(data)
+                send[topic](data)
         if "/tf" in listened and not cycle.shed:
             publishers["/tf"].publish(messages.transforms(cycle))

@@ -384,7 +384,7 @@ def _float64(name: str) -> _Encode:
 
 
 def encode_outputs(
-    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: CableState
+    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: Any
 ) -> list[tuple[str, bytes]]:
     """Messages of output topics (the table's or resolved names) of a model at a stamp [ns]."""
     return [(topic, _ENCODE[topic](messages, stamp, model, state)) for topic in topics]
