@@ -39,6 +39,11 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
+def finite(values: Floats) -> bool:
+    """Whether all of a few numbers are; NumPy's own test takes several times as long for them."""
+    return all(map(math.isfinite, values.tolist()))
+
+
 def heading_rotation(heading: float) -> Floats:
     """Matrix (3, 3) of a vessel on even keel with its bow `heading` [rad] from the x axis."""
     c, s = math.cos(heading), math.sin(heading)
