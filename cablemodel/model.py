@@ -142,6 +142,7 @@ class CableModel:
         from cablemodel.scene.load import scene_of
 
         self.scene = scene = scene_of(scene)
+        self._pinned = scene.vessel.connection.kind == "pinned"
         self._solver = choose(scene, planar=planar, sleep=sleep)
         self._initial = [memory.image.copy() for memory in self._solver.memories]
         self._inputs: FloatArray = np.zeros(at.INPUT_WORDS)
@@ -372,7 +373,7 @@ class CableModel:
     @property
     def top_moment(self) -> FloatArray:
         """Moment of the cable on the vessel, where it is clamped (3,) [N m]."""
-        if self.scene.vessel.connection.kind == "pinned":
+        if self._pinned:
             return np.zeros(3)
         return self._numbers().wrench[3:].copy()
 

@@ -52,7 +52,7 @@ def heading_rotation(heading: float) -> Floats:
 
 def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
     """A rotation matrix (3, 3) after dt [s] of a spin (3,) [rad/s] in map axes."""
-    angle = float(np.linalg.norm(spin)) * dt
+    angle = math.sqrt(spin.dot(spin)) * dt
     if angle == 0.0:
         return matrix
     x, y, z = spin * (dt / angle)

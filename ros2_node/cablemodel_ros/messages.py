@@ -7,16 +7,12 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import TransformStamped
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
-from cablemodel.results.log.messages import quaternion_of
 from cablemodel_ros.diagnostics import Status
 from cablemodel_ros.interface import Quality
-from cablemodel_ros.rig import Frame
-from cablemodel_ros.session import Cycle
 from cablemodel_ros.settings import Parameter
 from cablemodel_ros.times import Stamp
 
@@ -90,19 +86,3 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
         for status in statuses
     ]
     return array
-
-
-def transforms(cycle: Cycle) -> Any:
-    """A message of /tf: the cycle's frames in the map."""
-    kind = message_class("tf2_msgs/msg/TFMessage")
-    return kind(transforms=[_transform(cycle, frame) for frame in cycle.frames])
-
-
-def _transform(cycle: Cycle, frame: Frame) -> TransformStamped:
-    made = TransformStamped()
-    made.header.stamp, made.header.frame_id = message_time(cycle.stamp), "map"
-    made.child_frame_id = frame.name
-    translation, rotation = made.transform.translation, made.transform.rotation
-    translation.x, translation.y, translation.z = frame.position.tolist()
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(frame.axes)
-    return made
