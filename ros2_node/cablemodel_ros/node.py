@@ -40,6 +40,7 @@ from cablemodel_ros.rig import Order
 from cablemodel_ros.session import Names, Session
 from cablemodel_ros.settings import BY_NAME, PARAMETERS, Settings, SettingsError
 from cablemodel_ros.timebase import Followed, Published, RealTime, Timebase
+from cablemodel_ros.times import Stamp
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
@@ -193,7 +194,7 @@ class CableNode(LifecycleNode):
             return Followed(self._foreign.now)
         if settings.publishes_clock:
             return Published()
-        return RealTime()
+        return RealTime(lambda: Stamp(self.get_clock().now().nanoseconds))
 
     # -- connections ----------------------------------------------------------------------------
 
