@@ -36,6 +36,7 @@ _NO_NUMBERS = frozenset((str, bytes, bool, np.bool_, np.str_, np.bytes_))
 """What Python would make a number of, and nobody means as one."""
 NO_INPUTS: FloatArray = np.zeros(at.INPUT_WORDS)
 NO_INPUTS.flags.writeable = False
+_TIME = Scalars.time.place
 _VELOCITY = at.StepInputs.velocity_given.word
 _POSITION = at.StepInputs.position_given.word
 _CURRENT = at.StepInputs.current_given.word
@@ -141,10 +142,12 @@ class CableModel:
         from cablemodel.scene.load import scene_of
 
         self.scene = scene = scene_of(scene)
+        self._pinned = scene.vessel.connection.kind == "pinned"
         self._solver = choose(scene, planar=planar, sleep=sleep)
         self._initial = [memory.image.copy() for memory in self._solver.memories]
         self._inputs: FloatArray = np.zeros(at.INPUT_WORDS)
         self._summary: FloatArray = np.zeros(at.SUMMARY_WORDS)
+        self._summary_by_name = Summary(self._summary)
         self._summary_current = False
         self._errors: tuple[float, float] | None = None
 
@@ -287,7 +290,8 @@ class CableModel:
             raise StepError(
                 f"{name} is {value!r}", time=self.time, advice="give three numbers (x, y, z)"
             )
-        if not np.isfinite(vector).all():
+        # One by one: of three numbers NumPy's own test takes several times as long.
+        if not all(map(math.isfinite, vector.tolist())):
             raise StepError(
                 f"{name} is {vector.tolist()}: not finite",
                 time=self.time,
@@ -353,25 +357,29 @@ class CableModel:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return float(self._solver.memory.scalars.time)
+        return float(self._solver.memory.reals[_TIME])
 
-    def _numbers(self) -> Summary:
+    def numbers(self) -> Summary:
+        """The numbers below by name, in one record, for who wants many of them at every step.
+
+        It is a view, which a later call changes.
+        """
         if not self._summary_current:
             self._solver.summary(self._summary)
             self._summary_current = True
-        return Summary(self._summary)
+        return self._summary_by_name
 
     @property
     def top_force(self) -> FloatArray:
         """Force of the cable on the vessel (3,) [N]."""
-        return self._numbers().wrench[:3].copy()
+        return self.numbers().wrench[:3].copy()
 
     @property
     def top_moment(self) -> FloatArray:
         """Moment of the cable on the vessel, where it is clamped (3,) [N m]."""
-        if self.scene.vessel.connection.kind == "pinned":
+        if self._pinned:
             return np.zeros(3)
-        return self._numbers().wrench[3:].copy()
+        return self.numbers().wrench[3:].copy()
 
     @property
     def top_tension(self) -> float:
@@ -380,17 +388,17 @@ class CableModel:
         The size of `top_force`, negative where the cable pushes. It differs from the axial
         tension, `sample(0).tension`, by the shear force of a cable that bends there.
         """
-        return float(self._numbers().top_tension)
+        return float(self.numbers().top_tension)
 
     @property
     def tension_min(self) -> float:
         """Lowest tension in the cable [N]."""
-        return float(self._numbers().tension_min)
+        return float(self.numbers().tension_min)
 
     @property
     def tension_max(self) -> float:
         """Highest tension in the cable [N]."""
-        return float(self._numbers().tension_max)
+        return float(self.numbers().tension_max)
 
     @property
     def slack_time(self) -> float:
@@ -402,64 +410,64 @@ class CableModel:
         again from 0 on. Cable that the floor bears does not count. Every step is counted, whatever
         outputs are asked for.
         """
-        return float(self._numbers().slack_time)
+        return float(self.numbers().slack_time)
 
     @property
     def slack_longest(self) -> float:
         """The longest spell so far for which some of the cable was slack [s]."""
-        return float(self._numbers().slack_longest)
+        return float(self.numbers().slack_longest)
 
     @property
     def slack_since(self) -> float:
         """When the last such spell began [s]; not a number: none has yet."""
-        return float(self._numbers().slack_since)
+        return float(self.numbers().slack_since)
 
     @property
     def slack_start(self) -> float:
         """Arc length where what has been without tension so far begins [m]; not a number: nothing
         has."""
-        return float(self._numbers().slack_start)
+        return float(self.numbers().slack_start)
 
     @property
     def slack_end(self) -> float:
         """Arc length where what has been without tension so far ends [m]; not a number: nothing
         has."""
-        return float(self._numbers().slack_end)
+        return float(self.numbers().slack_end)
 
     @property
     def tip_position(self) -> FloatArray:
         """Far end of the line (3,) [m]: the outer end of a body there, else the cable's."""
-        return self._numbers().tip_position.copy()
+        return self.numbers().tip_position.copy()
 
     @property
     def tip_velocity(self) -> FloatArray:
         """Velocity of the far end (3,) [m/s]."""
-        return self._numbers().tip_velocity.copy()
+        return self.numbers().tip_velocity.copy()
 
     @property
     def vessel_position(self) -> FloatArray:
         """Tow point (3,) [m]."""
-        return self._numbers().vessel_position.copy()
+        return self.numbers().vessel_position.copy()
 
     @property
     def vessel_velocity(self) -> FloatArray:
         """Velocity of the tow point (3,) [m/s]."""
-        return self._numbers().vessel_velocity.copy()
+        return self.numbers().vessel_velocity.copy()
 
     @property
     def line_length(self) -> float:
         """Unstretched length of cable that is out [m]."""
-        return float(self._numbers().line_length)
+        return float(self.numbers().line_length)
 
     @property
     def drum_length(self) -> float:
         """Unstretched length of cable on the drum [m]."""
-        return float(self._numbers().drum_length)
+        return float(self.numbers().drum_length)
 
     @property
     def payout_rate(self) -> float:
         """Applied pay-out rate, unstretched [m/s]; differs from the command when clamped."""
-        return float(self._numbers().payout_rate)
+        return float(self.numbers().payout_rate)
 
     @property
     def winch(self) -> str:
@@ -469,7 +477,7 @@ class CableModel:
     @property
     def floor_force(self) -> FloatArray:
         """Total force of the sea floor on cable and bodies, friction included (3,) [N]."""
-        return self._numbers().floor_force.copy()
+        return self.numbers().floor_force.copy()
 
     @property
     def floor_length(self) -> float:
@@ -477,7 +485,7 @@ class CableModel:
 
         As a rigid floor would bear it: within 0.05 touchdown layers (EI/w)^(1/3) at rest.
         """
-        return float(self._numbers().floor_length)
+        return float(self.numbers().floor_length)
 
     @property
     def touchdown_position(self) -> FloatArray:
@@ -488,7 +496,7 @@ class CableModel:
         """
         if self.scene.environment.floor is None:
             return np.full(3, math.nan)
-        return self._numbers().touchdown_position.copy()
+        return self.numbers().touchdown_position.copy()
 
     @property
     def touchdown_reaction(self) -> float:
@@ -496,7 +504,7 @@ class CableModel:
 
         What the floor bears beyond the cable's weight within four lengths (EI/w)^(1/3) of it.
         """
-        return float(self._numbers().touchdown_reaction)
+        return float(self.numbers().touchdown_reaction)
 
     @property
     def position_error(self) -> float:
@@ -568,12 +576,12 @@ class CableModel:
     @property
     def applied_inputs(self) -> dict[str, Any]:
         """What drives the model at the present time: vessel motion, pay-out, live current."""
-        live = self._scalars.live_current
+        found = self.numbers()
         return {
-            "vessel_position": self.vessel_position,
-            "vessel_velocity": self.vessel_velocity,
-            "payout_rate": self.payout_rate,
-            "current": live.last.copy(),
+            "vessel_position": found.vessel_position.copy(),
+            "vessel_velocity": found.vessel_velocity.copy(),
+            "payout_rate": float(found.payout_rate),
+            "current": self._scalars.live_current.last.copy(),
         }
 
     def state(self) -> CableState:
@@ -590,11 +598,7 @@ class CableModel:
         if stations.ndim != 1:
             raise ValueError(f"arc lengths must be one number or a list, not {stations.shape}")
         out = np.empty(at.STATION_WORDS * len(stations))
-        done = self._solver.sample(stations, out)
-        if done != len(stations):
-            raise ValueError(
-                f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
-            )
+        self.sample_words(stations, out)
         rows = out.reshape(-1, at.STATION_WORDS)
         return CableState(
             time=self.time,
@@ -611,6 +615,19 @@ class CableModel:
                 self._surroundings.length + float(self._solver.memory.winch.paid),
             ),
         )
+
+    def sample_words(self, stations: FloatArray, out: FloatArray) -> None:
+        """As `sample`, into memory of the caller's, for who asks at every step.
+
+        Args:
+            stations: arc lengths (n,) [m].
+            out: words of a ``layout.Station`` for each of them, one after the other.
+        """
+        done = self._solver.sample(stations, out)
+        if done != len(stations):
+            raise ValueError(
+                f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
+            )
 
     @cached_property
     def _surroundings(self) -> Surroundings:

@@ -518,7 +518,7 @@ def features(scene: Any) -> frozenset[str]:
 
 def is_system(scene: Any) -> bool:
     """Whether a scene has lines by name."""
-    return hasattr(scene, "lines")
+    return "lines" in vars(scene)
 
 
 def _drum(scene: Any) -> tuple[Any, ...]:

@@ -3,9 +3,9 @@
     python ros2_node/measure.py --minutes 10 --hours 1
 
 Starts the node on the turn scene (30 m of cable in three dimensions, tolerance 1e-3) at 100 Hz
-with 64 stations and a log, steers it by cmd_vel at 50 Hz, and subscribes to what a controller and
-a viewer would. Times are the node's own, from its diagnostics; processor and memory are those of
-its process.
+with 64 stations, a log, markers and transforms, steers it by cmd_vel at 50 Hz, and subscribes to
+every topic that it publishes. Times are the node's own, from its diagnostics; processor and memory
+are those of its process.
 """
 
 from __future__ import annotations
@@ -25,13 +25,15 @@ os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
 
 import rclpy
+from cablemodel_ros import interface, messages
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import Float64
+
+import cablemodel as cm
 
 ROOT = Path(__file__).parents[1]
+SCENE = ROOT / "scenes/turn.yaml"
+EVERY_STEP = "every step"
 
 
 class Measured:
@@ -40,8 +42,8 @@ class Measured:
     def __init__(self, folder: Path, **parameters: Any) -> None:
         command = [sys.executable, "-m", "cablemodel_ros.node", "--ros-args"]
         parameters = {
-            "scene": ROOT / "scenes/turn.yaml", "autostart": "true", "rate": 100.0,
-            "stations": 64, "log.folder": folder, "log.max_size": 20.0, "log.max_files": 2,
+            "scene": SCENE, "autostart": "true", "rate": 100.0, "stations": 64, "tf": "true",
+            "tf_vessel": "true", "log.folder": folder, "log.max_size": 20.0, "log.max_files": 2,
             **parameters,
         }  # fmt: skip
         for name, value in parameters.items():
@@ -49,11 +51,11 @@ class Measured:
         self.process = subprocess.Popen(command)
         self.node = rclpy.create_node("measure")
         self.values: dict[str, str] = {}
-        self.count = 0
+        self.counts: dict[str, int] = {}
+        """Messages of each topic of every step."""
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._diagnostics, 10)
-        self.node.create_subscription(Float64, "/cable/tension_top", self._tension, 10)
-        for kind, topic in ((PointCloud2, "nodes"), (Odometry, "end_odom")):
-            self.node.create_subscription(kind, f"/cable/{topic}", lambda message: None, 1)
+        for topic in (*interface.topics_of(cm.load_scene(SCENE)), *interface.OTHERS):
+            self._subscribe(topic)
         self._twist = self.node.create_publisher(TwistStamped, "cmd_vel", 1)
         self._begin = time.monotonic()
 
@@ -73,8 +75,24 @@ class Measured:
             if status.name == "cable: simulation":
                 self.values = {item.key: item.value for item in status.values}
 
-    def _tension(self, message: Float64) -> None:
-        self.count += 1
+    def _subscribe(self, topic: interface.Topic) -> None:
+        kind, quality = messages.message_class(topic.message), messages.qos(topic.quality)
+        if topic.name in ("/diagnostics", "/clock") or kind is None:
+            return
+        if topic.rate == EVERY_STEP:
+            self.counts[topic.name] = 0
+
+        def call(data: bytes) -> None:
+            if topic.name in self.counts:
+                self.counts[topic.name] += 1
+
+        name = topic.name.replace("~", "/cable")
+        self.node.create_subscription(kind, name, call, quality, raw=True)
+
+    @property
+    def count(self) -> int:
+        """Messages of that topic of every step of which the fewest came."""
+        return min(self.counts.values())
 
     def spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
@@ -121,7 +139,8 @@ def real_time(minutes: float) -> dict[str, Any]:
             return {
                 "minutes": minutes,
                 "processor [% of one core]": round(100 * (node.processor() - used) / span, 2),
-                "received of tension_top [Hz]": round((node.count - count) / span, 2),
+                "topics of every step": len(node.counts),
+                "received of each, at least [Hz]": round((node.count - count) / span, 2),
                 "memory [MB]": round(node.memory(), 1),
                 "load average": os.getloadavg()[0],
                 **{key: node.values[key] for key in ("cycles", "deadlines missed",

@@ -50,7 +50,7 @@ def applied_values(model: Any, step: float, given: Collection[str] | Mapping[str
     if is_system(model.scene):
         assert isinstance(given, Mapping)
         return np.asarray(model.input_row(step, given), dtype=np.float64)
-    values = np.full(len(APPLIED_INPUT_LABELS), np.nan)
+    values = _UNKNOWN.copy()
     values[0], values[1] = model.time, step
     applied = model.applied_inputs
     for name, place in _APPLIED:
@@ -65,6 +65,7 @@ def applied_values(model: Any, step: float, given: Collection[str] | Mapping[str
     return values
 
 
+_UNKNOWN = np.full(len(APPLIED_INPUT_LABELS), np.nan)
 _APPLIED = [
     (name, span(APPLIED_INPUT_FIELDS, name))
     for name, _ in APPLIED_INPUT_FIELDS[2:]

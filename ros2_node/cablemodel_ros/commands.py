@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cablemodel_ros.frames import cross, rotation
+from cablemodel_ros.frames import cross, finite, rotation
 from cablemodel_ros.limits import Course
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Arrival, Timebase
@@ -207,7 +207,7 @@ class Commands(Desk):
         """A velocity command: its `stamp` (None: not stamped), `frame` of its axes (empty: the
         map's)."""
         values = np.array([*linear, *angular], dtype=np.float64)
-        if not np.isfinite(values).all():
+        if not finite(values):
             return self._refuse(self.seat.twist, f"not finite: {values.tolist()}")
         seat = self.seat
         if frame not in ("", MAP, seat.frame):
@@ -239,7 +239,7 @@ class Commands(Desk):
         """
         topic, own_frame = self.seat.odometry, self.seat.frame
         values = np.array([*position, *orientation, *linear, *angular], dtype=np.float64)
-        if not np.isfinite(values).all():
+        if not finite(values):
             return self._refuse(topic, f"not finite: {values.tolist()}")
         if frame not in ("", self._settings.odom_frame):
             return self._refuse(topic, f"frame {frame!r}; allowed: {self._settings.odom_frame}")
@@ -363,7 +363,7 @@ class PartCommands(Desk):
         """Force and torque about a body's origin, in `frame`: the map's (or empty), or its own."""
         topic = self.topics[body]
         value = np.array([*force, *torque], dtype=np.float64)
-        if not np.isfinite(value).all():
+        if not finite(value):
             return self._refuse(topic, f"not finite: {value.tolist()}")
         if frame not in ("", MAP, body):
             return self._refuse(topic, f"frame {frame!r}; allowed: {MAP}, {body}")

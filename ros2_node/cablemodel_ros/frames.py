@@ -39,6 +39,11 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
+def finite(values: Floats) -> bool:
+    """Whether all of a few numbers are; NumPy's own test takes several times as long for them."""
+    return all(map(math.isfinite, values.tolist()))
+
+
 def heading_rotation(heading: float) -> Floats:
     """Matrix (3, 3) of a vessel on even keel with its bow `heading` [rad] from the x axis."""
     c, s = math.cos(heading), math.sin(heading)
@@ -47,7 +52,7 @@ def heading_rotation(heading: float) -> Floats:
 
 def turned(matrix: Floats, spin: Floats, dt: float) -> Floats:
     """A rotation matrix (3, 3) after dt [s] of a spin (3,) [rad/s] in map axes."""
-    angle = float(np.linalg.norm(spin)) * dt
+    angle = math.sqrt(spin.dot(spin)) * dt
     if angle == 0.0:
         return matrix
     x, y, z = spin * (dt / angle)

@@ -45,11 +45,8 @@ class Applied:
     @property
     def given(self) -> tuple[str, ...]:
         """Names of the inputs that are given."""
-        values = {
-            "vessel_velocity": self.velocity,
-            "payout_rate": self.payout_rate,
-        }
-        return tuple(name for name, value in values.items() if value is not None)
+        velocity = () if self.velocity is None else ("vessel_velocity",)
+        return velocity if self.payout_rate is None else (*velocity, "payout_rate")
 
 
 @dataclass(frozen=True)

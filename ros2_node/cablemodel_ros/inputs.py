@@ -15,9 +15,8 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from cablemodel_ros import interface, messages
+from cablemodel_ros import interface, messages, wire
 from cablemodel_ros.control import ForeignClock
-from cablemodel_ros.rig import Port
 from cablemodel_ros.session import Session
 
 
@@ -51,12 +50,9 @@ class Inputs:
         self._group = _Apart()
         self._made: list[Any] = []
         for port in session.rig.ports:
-            self._subscribe(port.topic, self._taking(port))
+            self._subscribe(port.topic, self._telling(port.take))
         if foreign is not None:
-            self._subscribe(
-                interface.FOREIGN_CLOCK,
-                lambda message: foreign.set(messages.stamp_of(message.clock)),
-            )
+            self._subscribe(interface.FOREIGN_CLOCK, foreign.set)
         self._end = GuardCondition(None, None, context=node.context)
         self._thread = threading.Thread(target=self._run, name="cable inputs", daemon=True)
         self._ending = False
@@ -73,23 +69,36 @@ class Inputs:
             self._node.destroy_subscription(subscription)
         self._made.clear()
 
-    def _subscribe(self, topic: interface.Topic, call: Callable[[Any], None]) -> None:
+    def _subscribe(self, topic: interface.Topic, take: Callable[..., None]) -> None:
         kind, quality = messages.message_class(topic.message), messages.qos(topic.quality)
+        arguments = wire.ARGUMENTS[topic.message]
+
+        def call(data: bytes) -> None:
+            try:
+                found = arguments(data)
+            except wire.UNREADABLE:
+                self._warn(f"{topic.name}: a message that ends too early")
+            else:
+                take(*found)
+
         self._made.append(
             self._node.create_subscription(
-                kind, topic.name, call, quality, callback_group=self._group
+                kind, topic.name, call, quality, callback_group=self._group, raw=True
             )
         )
 
-    def _taking(self, port: Port) -> Callable[[Any], None]:
-        arguments, take = messages.ARGUMENTS[port.topic.message], port.take
+    def _telling(self, take: Callable[..., str]) -> Callable[..., None]:
+        """The same, which tells what was refused."""
 
-        def call(message: Any) -> None:
-            refusal = take(*arguments(message))
+        def call(*arguments: Any) -> None:
+            refusal = take(*arguments)
             if refusal:
-                self._node.get_logger().warning(refusal, throttle_duration_sec=1.0)
+                self._warn(refusal)
 
         return call
+
+    def _warn(self, what: str) -> None:
+        self._node.get_logger().warning(what, throttle_duration_sec=1.0)
 
     def _run(self) -> None:
         try:
@@ -118,7 +127,7 @@ class Inputs:
             ready = waiting.get_ready_entities("subscription")
             for subscription in self._made:
                 if subscription.handle.pointer in ready:
-                    taken = subscription.handle.take_message(subscription.msg_type, False)
+                    taken = subscription.handle.take_message(subscription.msg_type, True)
                     if taken is not None:
                         subscription.callback(taken[0])
             for event in events:

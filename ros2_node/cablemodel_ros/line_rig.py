@@ -88,12 +88,13 @@ class LineRig:
     def advance(self, target: Simulated, now: Moment) -> Applied:
         """Pay-out that the model refuses is given up, and the step made without."""
         model = self.model
+        found = model.numbers()
         present = Present(
-            model.vessel_position,
-            model.vessel_velocity,
-            model.payout_rate,
-            model.line_length,
-            model.drum_length,
+            found.vessel_position.copy(),
+            found.vessel_velocity.copy(),
+            float(found.payout_rate),
+            float(found.line_length),
+            float(found.drum_length),
         )
         applied = self.helm.inputs(now, target.seconds - model.time, present)
         try:

@@ -1,29 +1,20 @@
-"""Between ROS 2 messages and plain numbers."""
+"""ROS 2 messages that are made of objects, and what else rclpy wants as its own."""
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import TransformStamped, Twist, TwistStamped, WrenchStamped
-from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Header
 
-from cablemodel.results.log.messages import quaternion_of
 from cablemodel_ros.diagnostics import Status
 from cablemodel_ros.interface import Quality
-from cablemodel_ros.rig import Frame
-from cablemodel_ros.session import Cycle
 from cablemodel_ros.settings import Parameter
 from cablemodel_ros.times import Stamp
-
-Vector = tuple[float, float, float]
 
 
 def message_class(name: str) -> Any:
@@ -69,17 +60,6 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     return made
 
 
-def stamp_of(time: Time) -> Stamp:
-    """ROS time of a message's."""
-    return Stamp(int(time.sec * 1_000_000_000 + time.nanosec))
-
-
-def given_stamp(header: Header) -> Stamp | None:
-    """Stamp of a header; None where it is zero, which is how a message is not stamped."""
-    stamp = stamp_of(header.stamp)
-    return stamp if stamp.ns else None
-
-
 def message_time(stamp: Stamp) -> Time:
     """A message's time, of ROS time."""
     whole, rest = divmod(stamp.ns, 1_000_000_000)
@@ -89,50 +69,6 @@ def message_time(stamp: Stamp) -> Time:
 def clock(stamp: Stamp) -> Clock:
     """A message of /clock."""
     return Clock(clock=message_time(stamp))
-
-
-def twist_vectors(twist: Twist) -> tuple[Vector, Vector]:
-    """Linear [m/s] and angular [rad/s] velocity."""
-    linear, angular = twist.linear, twist.angular
-    return (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z)
-
-
-def _stamped_twist(message: TwistStamped) -> tuple[Any, ...]:
-    header = message.header
-    return given_stamp(header), header.frame_id, *twist_vectors(message.twist)
-
-
-def _wrench(message: WrenchStamped) -> tuple[Any, ...]:
-    header, force, torque = message.header, message.wrench.force, message.wrench.torque
-    return (
-        given_stamp(header),
-        header.frame_id,
-        (force.x, force.y, force.z),
-        (torque.x, torque.y, torque.z),
-    )
-
-
-def _odometry(message: Odometry) -> tuple[Any, ...]:
-    pose = message.pose.pose
-    place, turn = pose.position, pose.orientation
-    return (
-        given_stamp(message.header),
-        message.header.frame_id,
-        message.child_frame_id,
-        (place.x, place.y, place.z),
-        (turn.x, turn.y, turn.z, turn.w),
-        *twist_vectors(message.twist.twist),
-    )
-
-
-ARGUMENTS: dict[str, Callable[[Any], tuple[Any, ...]]] = {
-    "nav_msgs/msg/Odometry": _odometry,
-    "geometry_msgs/msg/TwistStamped": _stamped_twist,
-    "geometry_msgs/msg/Twist": twist_vectors,
-    "geometry_msgs/msg/WrenchStamped": _wrench,
-    "std_msgs/msg/Float64": lambda message: (message.data,),
-}
-"""What a port's ``take`` gets of a message, by its type."""
 
 
 def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArray:
@@ -150,19 +86,3 @@ def diagnostics(statuses: list[Status], node: str, stamp: Time) -> DiagnosticArr
         for status in statuses
     ]
     return array
-
-
-def transforms(cycle: Cycle) -> Any:
-    """A message of /tf: the cycle's frames in the map."""
-    kind = message_class("tf2_msgs/msg/TFMessage")
-    return kind(transforms=[_transform(cycle, frame) for frame in cycle.frames])
-
-
-def _transform(cycle: Cycle, frame: Frame) -> TransformStamped:
-    made = TransformStamped()
-    made.header.stamp, made.header.frame_id = message_time(cycle.stamp), "map"
-    made.child_frame_id = frame.name
-    translation, rotation = made.transform.translation, made.transform.rotation
-    translation.x, translation.y, translation.z = frame.position.tolist()
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(frame.axes)
-    return made

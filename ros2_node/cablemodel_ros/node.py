@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import json
+import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -48,6 +49,8 @@ FAULT = TransitionCallbackReturn.ERROR
 FAILED = 3
 """Exit status after a failure."""
 
+_PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+"""Names a file of settings for Fast DDS, the middleware that ROS 2 comes with."""
 _SWITCH = 5e-4
 """How long one thread may keep others from running Python [s]: the control loop must not wait
 for five milliseconds (the default) while a flood of messages is handled."""
@@ -364,6 +367,7 @@ def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; 2 when it cannot start, 3 after a failure, where
     `on_failure` asks for that."""
     sys.setswitchinterval(_SWITCH)
+    os.environ.setdefault(_PROFILES, str(Path(__file__).with_name("fastdds.xml")))
     rclpy.init(args=args)
     try:
         node = CableNode()

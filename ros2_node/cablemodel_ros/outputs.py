@@ -13,6 +13,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 
 from cablemodel_ros import interface, messages
 from cablemodel_ros.session import Cycle, Session
+from cablemodel_ros.transforms import Transforms
 
 _LOOK_EVERY = 0.1
 """[s]"""
@@ -34,6 +35,8 @@ class Outputs:
     def __init__(self, node: Any, session: Session) -> None:
         self._node = node
         self.publishers: dict[str, Any] = {}
+        self._handles: dict[str, Any] = {}
+        self._transforms = Transforms()
         self._listened: frozenset[str] = frozenset()
         self._looked = 0.0
         settings = session.settings
@@ -51,15 +54,20 @@ class Outputs:
                 node.get_logger().warning(f"{topic.name} is left out: no {topic.message} here")
                 continue
             quality = messages.qos(topic.quality)
-            self.publishers[topic.name] = node.create_lifecycle_publisher(
+            publisher = node.create_lifecycle_publisher(
                 kind, topic.name, quality, event_callbacks=_NO_EVENTS
             )
+            self.publishers[topic.name] = publisher
+            # What rclpy's publishers ask before, each time, holds for as long as the control thread
+            # runs: they are active, and not destroyed.
+            self._handles[topic.name] = publisher.handle
 
     def destroy(self) -> None:
         """No message goes out any more."""
         for publisher in self.publishers.values():
             self._node.destroy_lifecycle_publisher(publisher)
         self.publishers.clear()
+        self._handles.clear()
 
     def listened(self) -> frozenset[str]:
         """Topics that somebody reads."""
@@ -68,18 +76,18 @@ class Outputs:
             self._looked = now
             self._listened = frozenset(
                 name
-                for name, publisher in self.publishers.items()
-                if name == _ALWAYS or publisher.get_subscription_count()
+                for name, handle in self._handles.items()
+                if name == _ALWAYS or handle.get_subscription_count()
             )
         return self._listened
 
     def publish(self, cycle: Cycle) -> None:
         """What a step gave; called by the control thread."""
-        publishers, listened = self.publishers, self._listened
+        listened, handles = self._listened, self._handles
         if _ALWAYS in listened:
-            publishers[_ALWAYS].publish(messages.clock(cycle.stamp))
+            self.publishers[_ALWAYS].publish(messages.clock(cycle.stamp))
         for topic, data in (*cycle.applied, *cycle.outputs):
             if topic in listened:
-                publishers[topic].publish(data)
+                handles[topic].publish_raw(data)
         if "/tf" in listened and not cycle.shed:
-            publishers["/tf"].publish(messages.transforms(cycle))
+            handles["/tf"].publish_raw(self._transforms.message(cycle.stamp, cycle.frames))

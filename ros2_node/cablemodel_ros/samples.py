@@ -16,6 +16,7 @@ from cablemodel import variables
 from cablemodel.results.log.messages import Messages, typestore
 from cablemodel.results.log.writer import encode_outputs
 from cablemodel.results.states import applied_values
+from cablemodel.solvers.shared import layout as at
 from cablemodel_ros.frames import Floats, cross
 from cablemodel_ros.helm import Applied
 from cablemodel_ros.settings import Settings
@@ -39,6 +40,25 @@ _THREE = struct.Struct("<3d")
 _ODOMETRY_DOUBLES, _TWIST_IN_ODOMETRY = 85, 43
 
 
+class Stations:
+    """Points spaced evenly along a cable: what `Messages.cloud` reads of a `CableState`, in memory
+    that stays."""
+
+    def __init__(self, count: int) -> None:
+        self._shares = np.linspace(0.0, 1.0, count)
+        self._words = np.empty(at.STATION_WORDS * count)
+        rows = self._words.reshape(-1, at.STATION_WORDS)
+        self.s = np.empty(count)
+        self.position = rows[:, at.Station.position.span]
+        self.tension = rows[:, at.Station.tension]
+        self.curvature = rows[:, at.Station.curvature]
+
+    def look_at(self, model: CableModel) -> None:
+        """Become what the model is now."""
+        np.multiply(self._shares, model.line_length, out=self.s)
+        model.sample_words(self.s, self._words)
+
+
 class Sampler:
     """Makes the messages of one scene (not thread-safe).
 
@@ -52,7 +72,7 @@ class Sampler:
         self._in_vessel = Messages(settings.vessel_frame)
         self._arm = np.array(settings.tow_point)
         self.topics = topics(scene)
-        self._fractions = np.linspace(0.0, 1.0, settings.stations)
+        self._stations = Stations(settings.stations)
         self._odometry = _odometry(settings.tow_point_frame)
         self._twist = _twist()
 
@@ -95,10 +115,9 @@ class Sampler:
         rotation: vessel axes to map axes (3, 3); wanted: topics, None: all.
         """
         topics = [topic for topic in self.topics if wanted is None or topic in wanted]
-        state: Any = None
         if NODES in topics:
-            state = model.sample(self._fractions * model.line_length)
-        found = encode_outputs(self._messages, topics, stamp.ns, model, state)
+            self._stations.look_at(model)
+        found = encode_outputs(self._messages, topics, stamp.ns, model, self._stations)
         if wanted is None or VESSEL_WRENCH in wanted:
             force, moment = self.vessel_wrench(model, rotation)
             found.append((VESSEL_WRENCH, self._in_vessel.top_wrench(stamp.ns, force, moment)))

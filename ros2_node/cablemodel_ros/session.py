@@ -185,8 +185,9 @@ class Session:
             self._begin_file()
         begin = self.time
         applied = self._step(target, self.timebase.at(target, due))
-        self.timebase.reached(self.time)
-        stamp = self.stamp()
+        reached = self.time
+        self.timebase.reached(reached)
+        stamp = self.timebase.stamp(reached)
         record, motion = self.rig.applied(applied, target - begin, stamp)
         frames = self.rig.frames() if topics is None or "/tf" in topics else []
         shed = not publish()
@@ -196,21 +197,21 @@ class Session:
         self.cycles += 1
         self.shed += shed
         if self.recorder is not None:
-            self.recorder.step(self._logged_at(), [record])
-            if self.model.time >= self._next_output - 1e-9:
+            self.recorder.step(self._logged_at(reached), [record])
+            if reached.seconds >= self._next_output - 1e-9:
                 self._log_outputs(stamp)
         return Cycle(stamp, [record, *motion], outputs, frames, shed)
 
-    def _logged_at(self) -> Stamp:
-        """Where the model's time is in the log's file: there it goes on where real time slipped."""
-        return self._log_epoch + self.time.seconds
+    def _logged_at(self, time: Simulated) -> Stamp:
+        """Where a time is in the log's file: there it goes on where real time slipped."""
+        return self._log_epoch + time.seconds
 
     def _log_outputs(self, stamp: Stamp) -> None:
         assert self.recorder is not None
         interval = self.scene.run.output_interval
         while self._next_output <= self.model.time + 1e-9:
             self._next_output += interval
-        self.recorder.outputs(self._logged_at(), self.rig.record(stamp))
+        self.recorder.outputs(self._logged_at(self.time), self.rig.record(stamp))
 
     def _step(self, target: Simulated, now: Moment) -> Any:
         begin = time.perf_counter()

@@ -148,8 +148,8 @@ class Messages:
     def odometry(self, stamp: int, position: Floats, velocity: Floats) -> bytes:
         """Position (3,) [m] and velocity (3,) [m/s] of the far end; its frame does not turn."""
         at = _stamped(self._odometry, stamp) - 8 * ODOMETRY_FLOATS
-        _THREE.pack_into(self._odometry, at, *position)
-        _THREE.pack_into(self._odometry, at + 8 * ODOMETRY_TWIST, *velocity)
+        _THREE.pack_into(self._odometry, at, *position.tolist())
+        _THREE.pack_into(self._odometry, at + 8 * ODOMETRY_TWIST, *velocity.tolist())
         return bytes(self._odometry)
 
     def part_odometry(self, stamp: int, name: str, motion: Any) -> bytes:
@@ -242,8 +242,8 @@ _ZERO = (0.0, 0.0, 0.0)
 
 def _wrench(data: bytearray, stamp: int, force: Floats, torque: Floats | None) -> bytes:
     at = _stamped(data, stamp) - 48
-    _THREE.pack_into(data, at, *force)
-    _THREE.pack_into(data, at + 24, *(_ZERO if torque is None else torque))
+    _THREE.pack_into(data, at, *force.tolist())
+    _THREE.pack_into(data, at + 24, *(_ZERO if torque is None else torque.tolist()))
     return bytes(data)
 
 

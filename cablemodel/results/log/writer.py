@@ -28,6 +28,7 @@ from cablemodel.results.log.messages import Messages, definition, type_hash
 from cablemodel.results.log.parts import encode_parts
 from cablemodel.results.log.provenance import provenance
 from cablemodel.results.states import applied_values, shapes_of
+from cablemodel.solvers.shared.layout import Summary
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -376,37 +377,40 @@ _CHUNK_NANOSECONDS = round(CHUNK_SIMULATED_SECONDS * 1e9)
 _INPUTS = variables.resolved(variables.APPLIED_INPUTS_TOPIC)
 _OUTPUTS = variables.resolved(variables.OUTPUTS_TOPIC)
 
-_Encode = Callable[[Messages, int, Any, Any], bytes]
+_Encode = Callable[[Messages, int, Summary, Any, Any], bytes]
 
 
 def _float64(name: str) -> _Encode:
-    return lambda messages, stamp, model, state: messages.float64(getattr(model, name))
+    if name in Summary.FIELDS:
+        return lambda messages, stamp, found, model, state: messages.float64(getattr(found, name))
+    return lambda messages, stamp, found, model, state: messages.float64(getattr(model, name))
 
 
 def encode_outputs(
-    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: CableState
+    messages: Messages, topics: Iterable[str], stamp: int, model: CableModel, state: Any
 ) -> list[tuple[str, bytes]]:
     """Messages of output topics (the table's or resolved names) of a model at a stamp [ns]."""
-    return [(topic, _ENCODE[topic](messages, stamp, model, state)) for topic in topics]
+    found = model.numbers()
+    return [(topic, _ENCODE[topic](messages, stamp, found, model, state)) for topic in topics]
 
 
 def _encoders() -> dict[str, _Encode]:
     """How the message of each output topic, by both of its names, is made from a model and its
     state."""
     special: dict[str, _Encode] = {
-        "~/top_wrench": lambda m, t, model, state: m.top_wrench(
+        "~/top_wrench": lambda m, t, found, model, state: m.top_wrench(
             t, model.top_force, model.top_moment
         ),
-        "~/end_odom": lambda m, t, model, state: m.odometry(
-            t, model.tip_position, model.tip_velocity
+        "~/end_odom": lambda m, t, found, model, state: m.odometry(
+            t, found.tip_position, found.tip_velocity
         ),
-        "~/bodies": lambda m, t, model, state: m.poses(
+        "~/bodies": lambda m, t, found, model, state: m.poses(
             t, [b.position for b in model.bodies], [b.direction for b in model.bodies]
         ),
-        "~/nodes": lambda m, t, model, state: m.cloud(t, state),
-        "~/touchdown": lambda m, t, model, state: m.point(t, model.touchdown_position),
-        "~/slack": lambda m, t, model, state: m.row(variables.SLACK_LABELS, _slack(model)),
-        "~/floor_force": lambda m, t, model, state: m.wrench(t, model.floor_force),
+        "~/nodes": lambda m, t, found, model, state: m.cloud(t, state),
+        "~/touchdown": lambda m, t, found, model, state: m.point(t, model.touchdown_position),
+        "~/slack": lambda m, t, found, model, state: m.row(variables.SLACK_LABELS, _slack(found)),
+        "~/floor_force": lambda m, t, found, model, state: m.wrench(t, found.floor_force),
     }
     return {
         topic: special.get(variable.topic) or _float64(variable.python)
@@ -418,10 +422,10 @@ def _encoders() -> dict[str, _Encode]:
 _ENCODE = _encoders()
 
 
-def _slack(model: CableModel) -> NDArray[np.float64]:
+def _slack(found: Summary) -> NDArray[np.float64]:
     """In the order of ``variables.SLACK_LABELS``."""
-    times = model.slack_time, model.slack_longest, model.slack_since
-    return np.array([*times, model.slack_start, model.slack_end])
+    times = found.slack_time, found.slack_longest, found.slack_since
+    return np.array([*times, found.slack_start, found.slack_end])
 
 
 def _plain(value: Any) -> Any:

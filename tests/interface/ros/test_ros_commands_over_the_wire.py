@@ -89,6 +89,11 @@ def test_nan_frames_and_old_stamps_are_refused_and_do_no_harm(
             time.sleep(0.01)
     wait_until(lambda: watch.said("commands", "payout_rate_cmd refused, the last: not finite"))
     wait_until(lambda: watch.said("commands", "of cmd_vel refused"))
+    time.sleep(1.0)  # one warning a second
+    for _ in range(20):
+        twist.publish(bytes([0, 1, 0, 0, 7]))
+        time.sleep(0.01)
+    wait_until(lambda: "cmd_vel: a message that ends too early" in node.text)
     assert int(watch.value("commands", "cmd_vel refused")) > 3
     assert "refused" in node.text
     assert watch.velocity == pytest.approx([0.5, 0.0, 0.0], abs=1e-9)

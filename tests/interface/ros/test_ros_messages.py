@@ -3,31 +3,19 @@
 from __future__ import annotations
 
 import importlib.util
-import math
-import sys
-import types
 from collections.abc import Callable
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 from cablemodel_ros import messages
 from cablemodel_ros.diagnostics import WARN, Status
-from cablemodel_ros.frames import heading_rotation
-from cablemodel_ros.line_rig import LineRig
 from cablemodel_ros.markers import Picture, markers
 from cablemodel_ros.rig import Strand
-from cablemodel_ros.session import Cycle
-from cablemodel_ros.settings import Settings
-from cablemodel_ros.timebase import RealTime
 from cablemodel_ros.times import Stamp
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
 
-import cablemodel as cm
-
-from .conftest import SCENE, NodeProcess, Talker, wait_until
+from .conftest import NodeProcess, Talker, wait_until
 
 
 def test_markers_draw_cable_bodies_and_tension() -> None:
@@ -47,33 +35,6 @@ def test_markers_draw_cable_bodies_and_tension() -> None:
     assert body.pose.position.x == 10
     assert line.header.frame_id == "map"
     assert (line.header.stamp.sec, line.header.stamp.nanosec) == (1, 500_000_000)
-
-
-def test_the_vessel_frame_is_where_the_tow_point_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    if importlib.util.find_spec("tf2_msgs") is None:  # the wheels do not have it
-        stand_in = types.ModuleType("tf2_msgs.msg")
-        stand_in.TFMessage = SimpleNamespace  # type: ignore[attr-defined]
-        monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
-        monkeypatch.setitem(sys.modules, "tf2_msgs.msg", stand_in)
-
-    def transforms(**asked: bool) -> Any:
-        """Of a vessel that heads north, with its tow point at (10, 20, 0.5)."""
-        settings = Settings.of({"scene": str(SCENE), "tow_point": [-2.0, 0.0, 0.5], **asked})
-        rig = LineRig(cm.load_scene(SCENE), settings, RealTime())
-        rig.model = SimpleNamespace(vessel_position=np.array([10.0, 20.0, 0.5]))
-        rig.helm.rotation = heading_rotation(math.pi / 2)
-        return messages.transforms(Cycle(Stamp(2_000_000_000), [], [], rig.frames())).transforms
-
-    (own,) = transforms(tf=True)  # the vessel's frame is not ours
-    assert (own.header.frame_id, own.child_frame_id) == ("map", "tow_point")
-    place = own.transform.translation
-    assert (place.x, place.y, place.z) == (10.0, 20.0, 0.5)
-    assert own.transform.rotation.w == 1.0
-    (transform,) = transforms(tf_vessel=True)
-    place, turn = transform.transform.translation, transform.transform.rotation
-    assert (place.x, place.y, place.z) == pytest.approx((10.0, 22.0, 0.0))
-    assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
-    assert (transform.header.frame_id, transform.child_frame_id) == ("map", "base_link")
 
 
 def test_diagnostics_carry_level_message_and_values() -> None:

@@ -73,10 +73,11 @@ def test_package_xml_names_what_is_used_and_nothing_else() -> None:
 
 
 def test_every_file_that_is_installed_exists() -> None:
+    assert ast.unparse(setup_arguments()["package_data"]) == "{NAME: ['fastdds.xml']}"
     text = ast.unparse(setup_arguments()["data_files"]).replace("{NAME}", "cablemodel_ros")
     names = re.findall(r"'((?:resource|launch|config|rviz|scenes)/[\w.]+)'", text)
     assert len(names) == 5
-    for name in ["package.xml", *names]:
+    for name in ["package.xml", "cablemodel_ros/fastdds.xml", *names]:
         assert (PACKAGE / name).exists(), name
 
 
