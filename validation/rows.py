@@ -49,7 +49,17 @@ class Family:
 
 
 FAMILIES: dict[str, Family] = {}
-MODULES = ("statics", "motions", "lays", "systems", "tank", "published", "codes", "industry")
+MODULES = (
+    "statics",
+    "motions",
+    "snaps",
+    "lays",
+    "systems",
+    "tank",
+    "published",
+    "codes",
+    "industry",
+)
 """Where families are defined, in the order of the page."""
 
 

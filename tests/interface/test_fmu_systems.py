@@ -352,7 +352,8 @@ def test_cables_and_a_body_on_a_drum(tmp_path: Path) -> None:
                 one.step(4.0)
             assert_same_bits(slave, model)
             top = heavy.get("wire.tension.start")  # from a start that was found anew
-            assert top == pytest.approx(heavier.lines["wire"].start_tension, rel=0.01)
+            # The body that passes rings on: by 30 tau in either phase (test_system_drums.py).
+            assert top == pytest.approx(heavier.lines["wire"].start_tension, rel=0.03)
             if slave.time == 16.0:
                 assert top - slave.get("wire.tension.start") > 200.0
         assert model.winches["hoist"].limit == "free"

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from tests.verification.references.snaps import OUTPUT, snaps
 from tests.verification.scenes import IDEAL, scene
 
 G, WATER = 9.80665, 1025.0
@@ -132,3 +133,18 @@ def test_two_wires_of_a_system_snap_as_one(truth: float) -> None:
         pulls = model.lines["one"].start_tension, model.lines["two"].end_tension
         highest = [max(pair) for pair in zip(highest, pulls, strict=True)]
     assert highest == pytest.approx([truth, truth], rel=0.08)
+
+
+@pytest.mark.parametrize(("tolerance", "typical"), [(1e-3, 0.05), (1e-4, 0.02)])
+def test_first_snaps_of_hoists_drawn_at_random(tolerance: float, typical: float) -> None:
+    off, push = [], []
+    for hoist, end, highest in snaps(0, 8):
+        model = cm.CableModel(hoist.scene(tolerance))
+        pulls = []
+        for n in range(1, round(end / OUTPUT) + 1):
+            model.step_to(n * OUTPUT)
+            pulls.append(model.top_tension)
+        off.append(abs(max(pulls) / highest - 1.0))
+        push.append(-min(pulls) / highest)
+    assert np.median(off) < typical
+    assert np.median(push) < 0.02

@@ -9,24 +9,43 @@ is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The
 density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by which
 D is as large as that pressure. Nothing else stops the strain of an element then.
 
-A line that hangs free bears what its tension may be wrong by, and keeps a hundredth of EA beyond;
-down to a tolerance from which on the mesh resolves its folds.
+In a line that hangs free pressure runs slower than tension by a factor s: the stiffness that is
+left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It shortens the line by
+T / (s EA), which is no more than a half. The slower, the less a line is a strut: but Newton's
+method needs shorter steps where elements are short, and near a floor, where the mesh follows what
+folds. There, and in a bare end, which nothing pulls taut, a line stays straight under all that its
+tension may be wrong by, and s is a tenth.
 """
 
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
-from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, promised_tension
+from cablemodel.solvers.finite_element.kernels.element.strain import (
+    folds,
+    is_limp,
+    promised_tension,
+)
 from cablemodel.solvers.finite_element.kernels.floor.contact import touchdown_layer
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
-from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.access import (
+    body_of,
+    closure_of,
+    constraint_of,
+    edge_of,
+    free_body_of,
+    header,
+    scalars,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, view
-from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, LAYS_SLACK
+from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAYS_SLACK
 
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
 SLOWEST_FOLD = 1e-3  # in sqrt(L/g): rate of folding down to which it dissipates as much
-PRESSED_EA = 0.01  # of its axial stiffness, what resists where cable that hangs bends aside
-FOLDS_WITHIN = 1e-4  # tau down to which it does: finer meshes resolve its folds
+SLOWER = 0.01  # than tension, at least: pressure in cable that hangs
+BORNE_HANGING = 0.01  # of what tensions may be wrong by: pressure under which that stays straight
+SLOWER_FOLDED = 0.1  # the first of them where the mesh follows what folds
+HALVED = 0.75  # of the length with which an element was made: a shorter one has been halved
+SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
 
 
 @inlined
@@ -62,34 +81,105 @@ def has_slack(I, M, promised):
 
 
 @kernel
+def mark_ends(I, M, ends):
+    """Mark the nodes at which something is held, or hangs, (nodes,)."""
+    head = header(I)
+    for node in range(head.nodes):
+        ends[node] = 0.0
+    for n in range(head.body_count):
+        if body_of(I, M, n).node > 0.0:
+            ends[int(body_of(I, M, n).node)] = 1.0
+    for n in range(head.free_count):
+        ends[int(free_body_of(I, M, n).node)] = 1.0
+    for n in range(head.constraint_count):
+        ends[int(constraint_of(I, M, n).node)] = 1.0
+    for n in range(head.closure_count):
+        if closure_of(I, M, n).node >= 0.0:
+            ends[int(closure_of(I, M, n).node)] = 1.0
+
+
+@kernel
+def find_hung(I, M):
+    """Words where 1 stands for each element that something pulls taut: of a tree that is held, with
+    something at both of its ends or beyond them; else 0, (nodes,)."""
+    head = header(I)
+    nodes = head.nodes
+    ends = view(M, head.stage_velocity, nodes)
+    below = view(M, head.stage_velocity + nodes, nodes)
+    above = view(M, head.stage_velocity + 2 * nodes, nodes)
+    held = view(M, head.stage_velocity + 3 * nodes, nodes)
+    mark_ends(I, M, ends)
+    for node in range(nodes):
+        below[node] = ends[node]
+        above[node] = 0.0
+        held[node] = 0.0
+    for node in range(nodes - 1, 0, -1):
+        if I[head.joint + node] < JOINT_ROOT and below[node] != 0.0:
+            below[I[head.parent + node]] = 1.0
+    for n in range(head.constraint_count):
+        root = int(constraint_of(I, M, n).node)
+        while root > 0 and I[head.joint + root] < JOINT_ROOT:
+            root = I[head.parent + root]
+        held[root] = 1.0
+    for node in range(1, nodes):
+        if I[head.joint + node] < JOINT_ROOT:
+            parent = I[head.parent + node]
+            above[node] = max(ends[parent], above[parent])
+            held[node] = held[parent]
+    for node in range(nodes):
+        ends[node] = below[node] * above[node] * held[node]
+    return head.stage_velocity
+
+
+@kernel
+def hang_limp(I, M, edge, promised, pulled):
+    """Let an element that hangs free bend aside; promised: what tensions may be wrong by [N];
+    pulled: something will pull it taut."""
+    state = scalars(M)
+    edge.bears = BORNE_HANGING * promised
+    slower = SLOWER
+    if not pulled or header(I).floor_state != FLOOR_FAR or edge.length < HALVED * edge.nominal:
+        edge.bears = promised
+        slower = SLOWER_FOLDED
+    strain = promised / (10.0 * state.tolerance) * edge.compliance
+    slower = max(slower, strain / SHORTER)
+    edge.yields = slower * slower / edge.compliance
+
+
+@kernel
 def choose_limp(I, M):
     """Under what pressure elements of the state bend aside, by the largest tension so far.
 
-    None where nothing damps what snaps back, in air, and where no tension is promised. A lay with
-    slack is limp once it is pressed. Legs of moorings and loads that land would snap until no step
-    was small enough: their cable folds by `sea_floor.least_bending`.
+    None where no tension is promised, nor in what nothing damps and nothing pulls taut: bare ends,
+    and trees that are held nowhere. A lay with slack is limp once it is pressed. Legs of moorings
+    and loads that land would snap until no step was small enough: their cable folds by
+    `sea_floor.least_bending`.
     """
     head = header(I)
     state = scalars(M)
     largest = state.largest_tension
-    if state.undamped != 0.0 or largest > 1e300:
+    if largest > 1e300:
         return
-    promised = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
-    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M, promised)
-    state.yields = BORNE * promised if limp else 0.0
-    bears = promised_tension(M)
-    hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
+    may_be_wrong = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
+    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M, may_be_wrong)
+    state.yields = BORNE * may_be_wrong if limp else 0.0
+    promised = promised_tension(M)
+    hangs = head.floor_state != FLOOR_TOUCHED
+    undamped = state.undamped != 0.0
+    hung = find_hung(I, M)
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if edge.flexible == 0.0:
             continue
+        t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
+        if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
+            continue  # a stiffer one would be pressed by what it has been shortened by
         edge.bears = 0.0
         edge.yields = 0.0
         if limp:
             edge.yields = state.yields
-        elif hangs:
-            edge.bears = bears
-            edge.yields = PRESSED_EA / (1.0 - PRESSED_EA) / edge.compliance
+        elif hangs and (M[hung + node] != 0.0 or not undamped):
+            hang_limp(I, M, edge, promised, M[hung + node] != 0.0)
 
 
 @kernel

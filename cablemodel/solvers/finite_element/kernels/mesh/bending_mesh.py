@@ -8,7 +8,11 @@ they were at the start, once one cubic does for both.
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.element.strain import (
+    folds,
+    is_limp,
+    promised_tension,
+)
 from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     bend_allowed,
@@ -21,7 +25,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     position_accuracy,
 )
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
-from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, word_of
+from cablemodel.solvers.shared.access import cable_of, edge_at, edge_of, header, scalars, word_of
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
@@ -33,6 +37,8 @@ from cablemodel.solvers.shared.layout import (
 
 BENDING_PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 BENDING_STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
+TOO_LONG = 1.5  # of what an element should have: longer ones are halved
+SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
 
 
 @kernel
@@ -65,6 +71,19 @@ def is_pressed_aside(I, M, node):
 
 
 @kernel
+def may_snap(I, M, node):
+    """Whether an element is slack, and too long for the waves of the snap that ends that."""
+    head = header(I)
+    edge = edge_of(I, M, node)
+    t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
+    if is_limp(edge) or not folds(M, edge, t0, t1):
+        return False
+    state = scalars(M)
+    line = state.length if head.parts == 0 else cable_of(I, M, int(edge.segment)).line
+    return edge.length > TOO_LONG * SNAPS * line * math.pow(state.tolerance / 1e-3, 0.25)
+
+
+@kernel
 def may_unite(I, M, node):
     """Whether the elements on both sides of a node are halves that may be one.
 
@@ -88,18 +107,23 @@ def may_unite(I, M, node):
 
 
 @kernel
-def halve_at_rest(I, M, node):
-    """Halve an element of a static shape, where the mesh may change: halves are elements from then
-    on. NOTHING, CHANGED, or NO_CAPACITY: the block must grow first."""
-    state = scalars(M)
-    if state.bent == 0.0 or not may_be_halved(I, M, node):
-        return NOTHING
+def halve_for_good(I, M, node):
+    """Halve an element into two that are not joined again. OK or NO_CAPACITY."""
     if split_edge(I, M, node, 0.5, False) != OK:
         return NO_CAPACITY
     for half in range(node, node + 2):
         edge_of(I, M, half).nominal = edge_of(I, M, half).length
-    state.most_nodes += 1.0
-    return CHANGED
+    scalars(M).most_nodes += 1.0
+    return OK
+
+
+@kernel
+def halve_at_rest(I, M, node):
+    """Halve an element of a static shape, where the mesh may change. NOTHING, CHANGED, or
+    NO_CAPACITY: the block must grow first."""
+    if scalars(M).bent == 0.0 or not may_be_halved(I, M, node):
+        return NOTHING
+    return CHANGED if halve_for_good(I, M, node) == OK else NO_CAPACITY
 
 
 @kernel
@@ -120,7 +144,13 @@ def follow_bending(I, M, change):
     node = nodes - 1
     while node >= 1:
         if I[head.joint + node] == 0:
-            if bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or (
+            if may_snap(I, M, node) and may_be_halved(I, M, node):
+                if not change:
+                    return CHANGED
+                if halve_for_good(I, M, node) != OK:
+                    return NO_CAPACITY
+                changed = CHANGED
+            elif bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or (
                 M[head.tension + 2 * node] < 0.0 and is_pressed_aside(I, M, node)
             ):
                 if (
