@@ -103,6 +103,9 @@ class SwingingCable:
             "current": current,
         }
 
+    def numbers(self) -> SwingingCable:
+        return self
+
     def _angle(self) -> tuple[float, float]:
         rate = math.sqrt(9.81 / 30)
         return math.cos(rate * self.time) * math.pi / 3, -rate * math.sin(rate * self.time)

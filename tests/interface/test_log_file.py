@@ -388,6 +388,7 @@ def test_logging_a_sample_takes_few_calls(
     names = [row.python for row in variables.outputs_of(simple_scene) if "." not in row.python]
     values = {name: getattr(source, name) for name in [*names, "applied_inputs"]}
     model: Any = SimpleNamespace(**values, time=0.0, scene=simple_scene)
+    model.numbers = lambda: model
     profile = cProfile.Profile()
     with LogWriter(tmp_path / "run.mcap", simple_scene) as writer:
         profile.enable()

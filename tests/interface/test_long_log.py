@@ -38,6 +38,7 @@ def write_an_hour(path: Path, scene: Scene, source: Any) -> None:
     names = [row.python for row in variables.outputs_of(scene) if "." not in row.python]
     fields = {name: getattr(source, name) for name in names}
     model: Any = SimpleNamespace(**fields, time=0.0, scene=scene)
+    model.numbers = lambda: model
     top_force = model.top_force
     with LogWriter(path, scene, epoch=0) as writer:
         for k, factor in enumerate(random.uniform(0.9, 1.1, OUTPUTS).tolist()):
