@@ -45,6 +45,7 @@ SLOWER = 0.01  # than tension, at least: pressure in cable that hangs
 BORNE_HANGING = 0.01  # of what tensions may be wrong by: pressure under which that stays straight
 SLOWER_FOLDED = 0.1  # the first of them where the mesh follows what folds
 HALVED = 0.75  # of the length with which an element was made: a shorter one has been halved
+FOLDS_WITHIN = 1e-4  # tau down to which what hangs bends aside: below, blows have no end
 SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
 
 
@@ -164,7 +165,7 @@ def choose_limp(I, M):
     limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M, may_be_wrong)
     state.yields = BORNE * may_be_wrong if limp else 0.0
     promised = promised_tension(M)
-    hangs = head.floor_state != FLOOR_TOUCHED
+    hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     undamped = state.undamped != 0.0
     hung = find_hung(I, M)
     for node in range(1, head.nodes):
