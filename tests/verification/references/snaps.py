@@ -110,7 +110,7 @@ def _tensions(
     count: int, length: float, mass: float, ea: float, ba: float, per_metre: float, load: float,
     weight: float, drag: float, time: Floats, speed: Floats, output: float,
 ) -> Floats:  # fmt: skip
-    """At the tip, every `output` seconds [N]: by the symplectic Euler method."""
+    """By the symplectic Euler method, from a load that moves steadily as the tip does at first."""
     h = length / count
     dt = 0.3 * h / math.sqrt(ea / mass)
     if ba > 0.0:
@@ -121,9 +121,9 @@ def _tensions(
     pulls[count] = 0.5 * per_metre * h + weight
     depth = np.zeros(count + 1)
     for i in range(1, count + 1):
-        hangs = weight + per_metre * (length - (i - 0.5) * h)
+        hangs = weight - drag * speed[0] * abs(speed[0]) + per_metre * (length - (i - 0.5) * h)
         depth[i] = depth[i - 1] + h * (1.0 + hangs / ea)
-    down = np.zeros(count + 1)
+    down = np.full(count + 1, speed[0])
     tension = np.zeros(count + 2)
     found = np.empty(int(time[-1] / output))
     row, seen, now = 0, 0, 0.0
@@ -150,14 +150,18 @@ def _tensions(
     return found
 
 
+def tensions(hoist: Hoist, count: int, output: float = OUTPUT) -> Floats:
+    """At the tip, every `output` seconds from 0 on [N], by so many masses."""
+    return _tensions(
+        count, hoist.length, hoist.mass, hoist.stiffness, hoist.damping, hoist.per_metre,
+        hoist.load, hoist.weight, 0.5 * hoist.density * hoist.drag, hoist.time, hoist.speed, output,
+    )  # fmt: skip
+
+
 def first_snap(hoist: Hoist, count: int) -> tuple[float, float] | None:
     """When the first snap is over [s], and the highest tension until then [N]; None: there is
     none. A second one follows from where the first has thrown the load: anything changes it."""
-    found = _tensions(
-        count, hoist.length, hoist.mass, hoist.stiffness, hoist.damping, hoist.per_metre,
-        hoist.load, hoist.weight, 0.5 * hoist.density * hoist.drag, hoist.time, hoist.speed,
-        OUTPUT,
-    )  # fmt: skip
+    found = tensions(hoist, count)
     slack = _lasts(found < SLACK * hoist.at_rest, SLACK_FOR)
     if slack is None:
         return None

@@ -9,12 +9,12 @@ is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The
 density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by which
 D is as large as that pressure. Nothing else stops the strain of an element then.
 
-In a line that hangs free pressure runs slower than tension by a factor s: the stiffness that is
-left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It shortens the line by
-T / (s EA), which is no more than a half. The slower, the less a line is a strut: but Newton's
-method needs shorter steps where elements are short, and near a floor, where the mesh follows what
-folds. There, and in a bare end, which nothing pulls taut, a line stays straight under all that its
-tension may be wrong by, and s is a tenth.
+In a line that hangs free, down to tau = 1e-4, pressure runs slower than tension by a factor s: the
+stiffness that is left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It
+shortens the line by T / (s EA), which is no more than a half. The slower, the less a line is a
+strut: but Newton's method needs shorter steps where elements are short, and near a floor, where the
+mesh follows what folds. There, and in a bare end, which nothing pulls taut, a line stays straight
+under all that its tension may be wrong by, and s is a tenth.
 """
 
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
@@ -167,7 +167,7 @@ def choose_limp(I, M):
     promised = promised_tension(M)
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     undamped = state.undamped != 0.0
-    hung = find_hung(I, M)
+    hung = find_hung(I, M) if hangs and not limp else 0
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if edge.flexible == 0.0:

@@ -6,7 +6,14 @@ Of a scene as it is built, and of an FMU whose lengths and coefficients are set 
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.tables import STABILISATION
-from cablemodel.solvers.shared.access import line_facts_at, motion_piece_of, new_motion, scalars
+from cablemodel.solvers.shared.access import (
+    cable_of,
+    header,
+    line_facts_at,
+    motion_piece_of,
+    new_motion,
+    scalars,
+)
 from cablemodel.solvers.shared.compile import kernel
 from cablemodel.solvers.shared.environment import evaluate_piece, find_piece
 from cablemodel.solvers.shared.layout import LIGHT_DAMPING
@@ -118,6 +125,14 @@ def measure_line(I, M, words):
     state.order_3 = 0.0
     if slack and tolerance >= finest:
         state.order_3 = ORDER_3_FIRST
+
+
+@kernel
+def line_length(I, M, edge):
+    """Length of the line that an element is a part of [m]."""
+    if header(I).parts == 0:
+        return scalars(M).length
+    return cable_of(I, M, int(edge.segment)).line
 
 
 @kernel

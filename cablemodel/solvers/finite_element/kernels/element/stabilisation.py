@@ -17,7 +17,7 @@ the other.
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
+from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness, line_length
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D0,
     D1,
@@ -96,10 +96,7 @@ def strain_of_bend(I, M, node):
 @kernel
 def ringing_stiffness(I, M, edge):
     """That with which an element's own frequency is above those of its line [N]."""
-    length = scalars(M).length
-    if header(I).parts != 0:
-        length = cable_of(I, M, int(edge.segment)).line
-    part = min(edge.length / length, 1.0)
+    part = min(edge.length / line_length(I, M, edge), 1.0)
     return part * part / edge.compliance
 
 

@@ -8,6 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     folds,
     is_limp,
@@ -25,7 +26,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     position_accuracy,
 )
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
-from cablemodel.solvers.shared.access import cable_of, edge_at, edge_of, header, scalars, word_of
+from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, word_of
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
@@ -78,9 +79,8 @@ def may_snap(I, M, node):
     t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
     if is_limp(edge) or not folds(M, edge, t0, t1):
         return False
-    state = scalars(M)
-    line = state.length if head.parts == 0 else cable_of(I, M, int(edge.segment)).line
-    return edge.length > TOO_LONG * SNAPS * line * math.pow(state.tolerance / 1e-3, 0.25)
+    finer = math.pow(scalars(M).tolerance / 1e-3, 0.25)
+    return edge.length > TOO_LONG * SNAPS * line_length(I, M, edge) * finer
 
 
 @kernel

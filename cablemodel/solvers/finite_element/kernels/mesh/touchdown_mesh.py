@@ -9,6 +9,7 @@ docs/engine.md, "Sea floor".
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.tables import CONTACT_POINTS, CONTACT_WEIGHTS
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     ends_in_something,
@@ -123,13 +124,7 @@ def begins_anew(I, node):
 @kernel
 def position_accuracy(I, M, node):
     """What places along the line that an element is a part of may be wrong by, tau L [m]."""
-    head = header(I)
-    state = scalars(M)
-    length = state.length
-    if head.parts != 0:
-        segment = int(edge_of(I, M, node).segment)
-        length = cable_of(I, M, segment).line
-    return state.tolerance * length
+    return scalars(M).tolerance * line_length(I, M, edge_of(I, M, node))
 
 
 @kernel
