@@ -40,6 +40,11 @@ sys.exit(node.main())
 FAILING_SYSTEM = FAILING.replace("CableModel", "SystemModel").replace(", arc_length=3.0", "")
 
 
+def once_there(path: Path) -> str:
+    """After which time steps fail, in a program: never, before there is such a file."""
+    return f"(0.0 if __import__('pathlib').Path({str(path)!r}).exists() else 1e9)"
+
+
 def told(diagnostics: list[DiagnosticArray], words: str) -> bool:
     return any(
         words in s.message and s.level == DiagnosticStatus.ERROR
@@ -72,8 +77,7 @@ def test_on_request_the_process_ends_with_a_status_for_who_started_it(
 ) -> None:
     diagnostics = talker.listen("/diagnostics", DiagnosticArray)
     now = tmp_path / "now"
-    after = f"(0.0 if __import__('pathlib').Path({str(now)!r}).exists() else 1e9)"
-    program = FAILING.format(after=after, times=10**6)
+    program = FAILING.format(after=once_there(now), times=10**6)
     node = start_node(**FREE_RUN, program=program, log__folder=tmp_path / "log", on_failure="exit")
     wait_until(lambda: diagnostics, 120)  # the two have found each other
     now.touch()
@@ -134,8 +138,11 @@ def test_of_a_system_it_goes_back_and_on_and_in_the_end_says_why(
     assert "no convergence" in cm.open_run(first).reason
     assert cm.open_run(last).complete
     watch.diagnostics.clear()
-    node = start_node(**free_run, program=FAILING_SYSTEM.format(after=2.01, times=10**6),
-                      on_failure="exit")  # fmt: skip
+    now = tmp_path / "now"
+    program = FAILING_SYSTEM.format(after=once_there(now), times=10**6)
+    node = start_node(**free_run, program=program, on_failure="exit")
+    wait_until(lambda: watch.diagnostics, 120)  # the two have found each other
+    now.touch()
     assert node.process.wait(120) == 3
     assert told(watch.diagnostics, "the node ends (on_failure: exit)")
 
