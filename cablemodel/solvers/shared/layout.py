@@ -421,6 +421,7 @@ class Line(Record):
     first = real("arc length where what has been without tension begins, or not a number", "m")
     last = real("where it ends", "m")
     before = real("lowest tension at the start of a step", "N")
+    rate = real("of that tension there", "N/s")
     after = real("at its end", "N")
 
 

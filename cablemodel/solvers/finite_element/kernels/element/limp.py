@@ -172,12 +172,15 @@ def choose_law(I, M, node, promised):
     """Under what pressure an element bends aside, by the largest tension so far.
 
     None in what nothing damps and nothing pulls taut: bare ends, and trees that are held nowhere.
+    There, cable with bending stiffness needs damping of its material, too: it would be thrown to
+    and fro between its folds, while what it folds by itself is as smooth as its bending.
     A lay with slack is limp once it is pressed. Legs of moorings and loads that land would snap
     until no step was small enough: their cable folds by `sea_floor.least_bending`.
     """
     state = scalars(M)
     edge = edge_of(I, M, node)
     limp = state.yields > 0.0 and edge.flexible != 0.0
+    forgets = edge.pulled != 0.0 and (edge.flexible != 0.0 or edge.damping_full > 0.0)
     t0, t1 = M[header(I).tension + 2 * node], M[header(I).tension + 2 * node + 1]
     if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
         return  # a stiffer one would be pressed by what it has been shortened by
@@ -185,7 +188,7 @@ def choose_law(I, M, node, promised):
     edge.yields = 0.0
     if limp:
         edge.yields = state.yields
-    elif may_fold(I, M) and (edge.pulled != 0.0 or state.undamped == 0.0):
+    elif may_fold(I, M) and (state.undamped == 0.0 or forgets):
         hang_limp(I, M, edge, promised)
 
 
