@@ -45,8 +45,10 @@ MISSED = {
     ("tank", "cycle of 1.25 s", "rms of range"),
     ("tank", "cycle of 1.25 s", "highest"),
     ("snaps", "tau 0.001", "highest, worst"),
-    ("snaps", "tau 0.0001", "highest, median"),
     ("snaps", "tau 0.0001", "highest, worst"),
+    ("snaps", "tau 0.001, EI 0.01 of a bar", "highest, worst"),
+    ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, median"),
+    ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, worst"),
     ("cables", "80 m, touchdown that moves", "nearest touchdown"),
 }
 """What is not met, and is marked so: a row that joins them fails, and so does one that leaves."""
