@@ -1,7 +1,8 @@
 """Cable that is pressed bends aside, within elements where nothing else holds it.
 
 Cable without bending stiffness folds under any pressure P in waves however short (sqrt(P/m) times
-their number grows them), far shorter than elements. An element gets shorter then instead.
+their number grows them), far shorter than elements; with some, in waves of a twentieth of the line
+beyond Euler's load of that. An element gets shorter then instead.
 
 A lay that begins with slack is limp: an element gets shorter by T / `yields`, to nothing under a
 small part of what its tension may be wrong by. So slack lies where it fell, and what hangs above it
@@ -9,7 +10,7 @@ is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The
 density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by which
 D is as large as that pressure. Nothing else stops the strain of an element then.
 
-In a line that hangs free, down to tau = 1e-4, pressure runs slower than tension by a factor s: the
+In a line that hangs free pressure runs slower than tension by a factor s: the
 stiffness that is left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It
 shortens the line by T / (s EA), which is no more than a half. The slower, the less a line is a
 strut: but Newton's method needs shorter steps where elements are short, and near a floor, where the
@@ -20,6 +21,7 @@ under all that its tension may be wrong by, and s is a tenth.
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
+from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     folds,
     is_limp,
@@ -47,7 +49,8 @@ SLOWER = 0.01  # than tension, at least: pressure in cable that hangs
 BORNE_HANGING = 0.01  # of what tensions may be wrong by: pressure under which that stays straight
 SLOWER_FOLDED = 0.1  # the first of them where the mesh follows what folds
 HALVED = 0.75  # of the length with which an element was made: a shorter one has been halved
-FOLDS_WITHIN = 1e-4  # tau down to which what hangs bends aside: below, blows have no end
+FOLDS_WITHIN = 1e-4  # tau down to which cable of undamped material does: below, blows do not end
+SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
 SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
 
 
@@ -135,12 +138,14 @@ def find_hung(I, M):
 
 
 @inlined
-def holds_straight(edge):
+def holds_straight(I, M, edge):
     """Pressure under which cable with bending stiffness buckles between the nodes of an element,
-    whose slopes hold it: Euler's 4 pi^2 EI / h^2 [N]. Longer waves are the mesh's own."""
+    whose slopes hold it: Euler's 4 pi^2 EI / h^2 [N]. Longer waves are the mesh's own. A mesh
+    however fine would hold a rope as straight as it was never made: h is that of slack cable."""
     if edge.flexible != 0.0:
         return 0.0
-    return 4.0 * math.pi * math.pi * edge.bending_full / (edge.length * edge.length)
+    h = max(edge.length, SNAPS * line_length(I, M, edge))
+    return 4.0 * math.pi * math.pi * edge.bending_full / (h * h)
 
 
 @kernel
@@ -153,7 +158,7 @@ def hang_limp(I, M, edge, promised):
     if edge.pulled == 0.0 or not far or edge.length < HALVED * edge.nominal:
         edge.bears = promised
         slower = SLOWER_FOLDED
-    edge.bears = max(edge.bears, holds_straight(edge))
+    edge.bears = max(edge.bears, holds_straight(I, M, edge))
     strain = promised / (10.0 * state.tolerance) * edge.compliance
     slower = max(slower, strain / SHORTER)
     edge.yields = slower * slower / edge.compliance
@@ -164,23 +169,33 @@ def may_fold(I, M):
     """Whether what hangs bends aside at all."""
     state = scalars(M)
     touches = header(I).floor_state == FLOOR_TOUCHED
-    return not touches and state.yields == 0.0 and state.tolerance >= FOLDS_WITHIN
+    return not touches and state.yields == 0.0
+
+
+@inlined
+def blows_end(M, edge):
+    """Whether something takes what an element's folds throw to and fro: its material, where
+    something pulls it taut; down to `FOLDS_WITHIN` water, or for flexible cable that is pulled
+    taut the steps. (What cable of little bending stiffness folds by itself, the mesh follows.)"""
+    state = scalars(M)
+    pulled = edge.pulled != 0.0
+    if pulled and edge.damping_full > 0.0:
+        return True
+    if state.tolerance < FOLDS_WITHIN:
+        return False
+    return state.undamped == 0.0 or (pulled and edge.flexible != 0.0)
 
 
 @kernel
 def choose_law(I, M, node, promised):
     """Under what pressure an element bends aside, by the largest tension so far.
 
-    None in what nothing damps and nothing pulls taut: bare ends, and trees that are held nowhere.
-    There, cable with bending stiffness needs damping of its material, too: it would be thrown to
-    and fro between its folds, while what it folds by itself is as smooth as its bending.
     A lay with slack is limp once it is pressed. Legs of moorings and loads that land would snap
     until no step was small enough: their cable folds by `sea_floor.least_bending`.
     """
     state = scalars(M)
     edge = edge_of(I, M, node)
     limp = state.yields > 0.0 and edge.flexible != 0.0
-    forgets = edge.pulled != 0.0 and (edge.flexible != 0.0 or edge.damping_full > 0.0)
     t0, t1 = M[header(I).tension + 2 * node], M[header(I).tension + 2 * node + 1]
     if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
         return  # a stiffer one would be pressed by what it has been shortened by
@@ -188,7 +203,7 @@ def choose_law(I, M, node, promised):
     edge.yields = 0.0
     if limp:
         edge.yields = state.yields
-    elif may_fold(I, M) and (state.undamped == 0.0 or forgets):
+    elif may_fold(I, M) and blows_end(M, edge):
         hang_limp(I, M, edge, promised)
 
 
@@ -230,7 +245,7 @@ def damp_slack(I, M, node, promised):
         slowest = SLOWEST_FOLD / scalars(M).period
         edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
     elif edge.damping_full != 0.0 and (edge.flexible != 0.0 or edge.yields != 0.0):
-        tension = max(0.0, t0 + holds_straight(edge))
+        tension = max(0.0, t0 + holds_straight(I, M, edge))
         edge.damping = edge.damping_full * min(1.0, tension / promised)
         mean, _slope = strain_rate(I, M, node)
         if edge.damping * mean < -tension:

@@ -8,6 +8,7 @@ they were at the start, once one cubic does for both.
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.limp import SNAPS
 from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     folds,
@@ -39,7 +40,6 @@ from cablemodel.solvers.shared.layout import (
 BENDING_PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 BENDING_STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 TOO_LONG = 1.5  # of what an element should have: longer ones are halved
-SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
 
 
 @kernel
