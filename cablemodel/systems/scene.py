@@ -34,6 +34,8 @@ from cablemodel.systems.motion import first_turn
 
 FloatArray = NDArray[np.float64]
 
+ON_FLOOR = 1e-3
+"""Of the length of a line: gap between its anchor and the floor below which that lies there."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
@@ -541,6 +543,20 @@ class SystemScene(Document):
             if end.anchor is not None or end.owner in self.vessels
         ]
 
+    def runs_alone(self, name: str) -> bool:
+        """Whether a winch runs at t = 0, over a sea floor, and its line is tied to nothing but its
+        vessel's point and, it may be, an anchor on the floor."""
+        winch, floor = self.winches[name], self.environment.floor
+        line = self.lines[winch.line]
+        other = line.end if winch.at == "start" else line.start
+        branches = (end.line for each in self.lines.values() for end in each.ends)
+        if winch.rate_at_start == 0.0 or floor is None or winch.line in branches:
+            return False
+        if other.anchor is not None:
+            x, y, z = other.anchor
+            return z <= floor.height(x, y) + ON_FLOOR * line.length
+        return other.is_free
+
     def _ties(self, line: str) -> set[str]:
         """Names of a line, and of the bodies and lines at its ends."""
         ends = self.lines[line].ends
@@ -689,9 +705,9 @@ class SystemScene(Document):
                 problem = "cable that runs past a clamp is not computed in a system"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")
             held = self.held_with(winch.line)
-            if winch.rate_at_start != 0.0 and len(held) > 1:
+            if winch.rate_at_start != 0.0 and len(held) > 1 and not self.runs_alone(name):
                 problem = f"what hangs on it is held at {' and '.join(held)}: nothing moves along"
-                allowed = "0 m/s at t = 0"
+                allowed = "0 m/s at t = 0, or a line that goes to an anchor on the floor alone"
                 yield SceneProblem(f"{path}.rate", winch.rate_at_start, problem, allowed)
             other = taken.setdefault((winch.line, winch.at), name)
             if other != name:
@@ -708,7 +724,7 @@ class SystemScene(Document):
                 if end.anchor is None:
                     continue
                 height = floor.height(end.anchor[0], end.anchor[1])
-                if end.anchor[2] < height - 1e-3 * line.length:
+                if end.anchor[2] < height - ON_FLOOR * line.length:
                     problem = "it lies below the sea floor"
                     allowed = f"z of at least {height:g} m there"
                     yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)

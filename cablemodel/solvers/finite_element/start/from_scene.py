@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import (
     DrawnStartWarning,
+    SceneError,
     StaticsError,
     SweptStartWarning,
     TautLayWarning,
@@ -70,16 +72,25 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+PROMISED = 10.0
+"""Times the tolerance: what tensions may be wrong by, over the largest."""
 DRAWN = 0.01
 """Of the largest tension: more where a lay lands is said."""
 
 
-def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Block:
+def build(
+    scene: Scene,
+    *,
+    planar: bool | None = None,
+    room: float = 1.0,
+    points: FloatArray | None = None,
+) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
     scene lies in one. ``room``: lengths of line and drum for which there is room, in units of the
-    scene's. A static start refines the mesh until its shape is accurate.
+    scene's. ``points``: a polyline (n, 3) [m] from which a static start is sought first. A static
+    start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
     within `solver.start_time_limit`).
@@ -87,7 +98,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
     refuse_unsupported(scene)
     first: StaticsError | None = None
     with searching(scene) as search:
-        for strategy in _strategies(scene):
+        near = [] if points is None else [Strategy(points=points)]
+        for strategy in itertools.chain(near, _strategies(scene)):
             sought = (
                 scene if strategy.points is None and not scene.starts_steady else _steady(scene)
             )
@@ -102,6 +114,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
                 if found.header.limp and laid_loads.lays_slack(sought):
                     found.header.limp = at.LAYS_SLACK
+                if scene.end.kind == "anchor" and np.any(laid_loads.lay_motion(scene)[0]):
+                    _refuse_what_pushes(found, scene)
                 _unfold(found, scene, planar)
                 return found
             except OutOfTimeError:
@@ -112,6 +126,15 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                     first = first or problem
     assert first is not None
     raise first
+
+
+def _refuse_what_pushes(block: Block, scene: Scene) -> None:
+    """Refuse a lay to an anchor that would push it: what lies would fold."""
+    means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
+    pressed = -float(means.min())
+    if pressed > PROMISED * scene.solver.tolerance * float(np.abs(means).max()):
+        problem = f"there is more cable than a lay to it takes: it would push by {pressed:.3g} N"
+        raise SceneError.at("end.anchor", scene.end.position, problem, "one farther away")
 
 
 def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> None:

@@ -1,0 +1,308 @@
+"""Lines that a winch lays, or takes up, from t = 0 on: each starts as a scene of its own.
+
+Such a line is tied to nothing but its vessel's point and, it may be, an anchor on the sea floor: in
+a system it moves as it would alone. A scene of one line is made of it, whose start
+(`solvers/finite_element/start`) is put into the system (`joined.py`).
+
+An anchor holds what has been laid. Where there is more cable than a lay takes to it, what lies does
+so in a bow, which friction holds. Where there is less, it lies straight, and the anchor pulls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import SceneError, SceneProblem, StaticsError
+from cablemodel.scene import Scene
+from cablemodel.scene.environment import Floor
+from cablemodel.scene.line import End
+from cablemodel.scene.schema import RunSettings
+from cablemodel.scene.vessel import Payout, Vessel
+from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.start import (
+    continuation,
+    from_scene,
+    laid_loads,
+    laid_start,
+    refinement,
+    sea_floor,
+    search,
+)
+from cablemodel.solvers.finite_element.start.first_state import hold_supports, steady_velocity
+from cablemodel.solvers.finite_element.start.frame import earth
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.curves import crossing
+from cablemodel.solvers.shared.layout import Header
+from cablemodel.systems.guess import held_place
+from cablemodel.systems.scene import SystemScene, SystemWinch
+
+FloatArray = NDArray[np.float64]
+Place = tuple[float, float, float]
+
+BEGINS = 1e-3
+"""Length of the run of a scene of which the start alone is wanted [s]."""
+BOW_PARTS = 400
+"""Chords along which the length of a bow is measured."""
+SMALLEST_HARDENING = 1.0 / 32.0
+"""Of the way from one floor to another, where at once finds no equilibrium."""
+
+
+@dataclass(frozen=True)
+class Lay:
+    """A line that starts alone."""
+
+    line: str
+    name: str
+    """Of its winch."""
+    winch: SystemWinch
+    anchor: Place | None
+    """Where its far end is held; None: it is free."""
+    scene: Scene
+    """Of it alone, from the winch outwards, with a free end."""
+
+
+def lays(scene: SystemScene) -> list[Lay]:
+    """Lines of a system that start alone."""
+    return [_alone(scene, name) for name in scene.winches if scene.runs_alone(name)]
+
+
+def without(scene: SystemScene, apart: list[Lay]) -> SystemScene | None:
+    """The system without lines that start alone; None: there is nothing else."""
+    names = {lay.line for lay in apart}
+    lines = {name: line for name, line in scene.lines.items() if name not in names}
+    if not lines:
+        return None
+    winches = {name: winch for name, winch in scene.winches.items() if winch.line not in names}
+    cuts = {name: cut for name, cut in scene.cuts.items() if cut.line not in names}
+    return scene.model_copy(update={"lines": lines, "winches": winches, "cuts": cuts})
+
+
+def _alone(scene: SystemScene, name: str) -> Lay:
+    """The line of a winch, as a scene of its own."""
+    winch = scene.winches[name]
+    line = scene.lines[winch.line]
+    end, other = line.ends if winch.at == "start" else line.ends[::-1]
+    place = held_place(scene, end)
+    assert place is not None
+    velocity = scene.vessels[end.owner].motion().evaluate(0.0)[1]
+    with _named(scene, name):
+        alone = Scene(
+            environment=scene.environment,
+            cable_types=scene.cable_types,
+            line=line.items if winch.at == "start" else line.items[::-1],
+            vessel=Vessel.model_validate(
+                {"position": place.tolist(), "velocity": [float(part) for part in velocity]}
+            ),
+            payout=Payout(rate=winch.rate, drum=winch.drum),
+            solver=scene.solver,
+            run=RunSettings(duration=BEGINS, output_interval=BEGINS),
+        )
+    return Lay(winch.line, name, winch, other.anchor, alone)
+
+
+def start(lay: Lay, whole: SystemScene) -> Block:
+    """The first state of a line that starts alone, in three dimensions, on the system's floor.
+
+    Raises:
+        SceneError: it has no steady state.
+        StaticsError: none was found.
+    """
+    with _named(whole, lay.name):
+        if lay.anchor is None:
+            block = from_scene.build(lay.scene, planar=False)
+        else:
+            block = _to_anchor(lay.scene, lay.anchor)
+        _on_floor_of(whole, block, lay.scene)
+    return block
+
+
+def _to_anchor(scene: Scene, anchor: Place) -> Block:
+    """The first state of a line to an anchor; scene: of it with a free end."""
+    held = Scene(
+        **{name: getattr(scene, name) for name in Scene.model_fields if name != "end"},
+        end=End(anchor=anchor),
+    )
+    laid_loads.check_steady(held)
+    if scene.rate_at_start < 0.0:
+        return from_scene.build(held, planar=False)
+    block = from_scene.build(scene, planar=False)
+    lies = np.flatnonzero(laid_start.which_lie(block, scene))
+    if not len(lies):
+        return from_scene.build(held, planar=False)
+    foot = int(lies[0])
+    floor = scene.environment.floor
+    assert floor is not None
+    places = earth(block, block.array(Header.position, int(block.header.nodes), 6)[:, :3])
+    bow = _bow(floor, places[foot:], np.asarray(anchor), scene)
+    if bow is None:
+        points, arcs = refinement.shape_of(block)
+        points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
+        return from_scene.build(held, planar=False, points=points)
+    _lay_along(block, scene, foot, *bow)
+    return block
+
+
+def _bow(
+    floor: Floor, lies: FloatArray, anchor: FloatArray, scene: Scene
+) -> tuple[FloatArray, FloatArray] | None:
+    """Places (n, 3) of what lies, and its slopes (n, 3), in a bow from where it comes down to its
+    anchor; None: it is too short for one.
+
+    lies: its places behind the vessel, the nearest first (n, 3) [m].
+
+    Raises:
+        SceneError: the anchor is elsewhere than behind the vessel.
+    """
+    chords = np.linalg.norm(np.diff(lies, axis=0), axis=1)
+    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    back = lies[-1] - lies[0]
+    way = back[:2] / float(np.hypot(*back[:2]))
+    left = np.array([-way[1], way[0]])
+    off = anchor[:2] - lies[0, :2]
+    ahead, aside = float(off @ way), float(off @ left)
+    if ahead <= 0.0:
+        problem = f"the line comes down {-ahead:.4g} m behind it"
+        allowed = "one behind where it comes down, or less cable out"
+        raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
+    share = np.linspace(0.0, 1.0, BOW_PARTS + 1)
+    # Both leave the way of the vessel without a turn, and without a bend.
+    across = aside * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    belly = 64.0 * (share * (1.0 - share)) ** 3
+
+    def curve(size: float) -> tuple[FloatArray, FloatArray]:
+        """Places (n, 3) on the floor, and the way along them (n,) [m]."""
+        points = np.empty((len(share), 3))
+        points[:, :2] = lies[0, :2] + ahead * np.outer(share, way)
+        points[:, :2] += np.outer(across + size * belly, left)
+        points[:, 2] = [floor.height(float(x), float(y)) for x, y in points[:, :2]]
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        return points, np.concatenate([[0.0], np.cumsum(steps)])
+
+    def missing(size: float) -> float:
+        return float(curve(size)[1][-1]) - float(arcs[-1])
+
+    sign = 1.0 if aside >= 0.0 else -1.0
+    straight, most = missing(0.0), sign * float(arcs[-1])
+    if straight > 0.0:
+        allowed_aside = scene.solver.tolerance * scene.line_length
+        if abs(aside) <= allowed_aside:
+            return None
+        problem = (
+            f"it is {abs(aside):.4g} m aside of the way of the vessel, and the line {straight:.4g} "
+            "m too short to lie in a bow to it: it would be drawn over the floor"
+        )
+        allowed = f"one within {allowed_aside:.3g} m of that way, or so much more cable out"
+        raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
+    if scene.environment.floor is not None and scene.environment.floor.friction == 0.0:
+        problem = f"the line is {-straight:.4g} m too long, and no friction holds a bow of it"
+        allowed = "one so much farther away, or less cable out"
+        raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
+    size = crossing(
+        missing, 0.0, most, at_low=straight, at_high=missing(most), near=0.0,
+        width=1e-12 * abs(most),
+    )  # fmt: skip
+    points, along = curve(size)
+    along *= arcs[-1] / along[-1]
+    places = np.column_stack([np.interp(arcs, along, points[:, k]) for k in range(3)])
+    tangents = np.gradient(points, along, axis=0)
+    slopes = np.column_stack([np.interp(arcs, along, tangents[:, k]) for k in range(3)])
+    places[:, 2] = [floor.height(float(x), float(y)) for x, y in places[:, :2]]
+    places[-1, :2] = anchor[:2]
+    return places, slopes / np.linalg.norm(slopes, axis=1)[:, None]
+
+
+def _lay_along(
+    block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray
+) -> None:
+    """Lay what lies, from a node on, along other places (n, 3) of the earth [m] with slopes (n, 3);
+    it sinks as deep into the floor as it did, and friction holds it as it did.
+
+    Raises:
+        StaticsError: it does not come to rest there.
+    """
+    floor = scene.environment.floor
+    assert floor is not None
+    nodes = int(block.header.nodes)
+    q = block.array(Header.position, nodes, 6)
+    rest = block.array(Header.rest, nodes, 6)
+    drawn = q[foot:] - rest[foot:]
+    old = earth(block, q[foot:, :3])
+    deep = old[:, 2] - [floor.height(float(x), float(y)) for x, y in old[:, :2]]
+    places = places + np.outer(deep, [0.0, 0.0, 1.0])
+    q[foot:, :3] = places - block.scalars.origin
+    q[foot:, 3:] = slopes * np.linalg.norm(q[foot:, 3:], axis=1)[:, None]
+    rest[foot:] = q[foot:] - drawn
+    if _settled(block, scene) != at.OK:
+        raise StaticsError("no start was found in which friction holds what lies in its bow")
+
+
+def _settled(block: Block, scene: Scene) -> int:
+    """Equilibrium from a state that is nearly one, its friction as it is; a status."""
+    rate = float(block.winch.rate)
+    frame = steady_velocity(block, scene)
+    block.winch.rate = laid_loads.lay_motion(scene)[1]
+    status = continuation.in_few_steps(block, partial(search.equilibrium, block, frame))
+    block.winch.rate = rate
+    hold_supports(block)
+    return status
+
+
+def _on_floor_of(whole: SystemScene, block: Block, scene: Scene) -> None:
+    """Put a start on the floor of a system, whose contact layer is that of its longest line.
+
+    Raises:
+        StaticsError: no start was found there.
+    """
+    state, nodes = block.scalars, int(block.header.nodes)
+    before = float(state.floor_depth), float(state.bristle)
+    wanted = sea_floor.contact_depth(whole), sea_floor.bristle_length(whole)
+    if before == wanted:
+        return
+    q, rest = block.array(Header.position, nodes, 6), block.array(Header.rest, nodes, 6)
+    drawn = (q - rest) / before[1]
+
+    def at_share(share: float) -> int:
+        state.floor_depth, state.bristle = (
+            a * (b / a) ** share for a, b in zip(before, wanted, strict=True)
+        )
+        rest[:] = q - state.bristle * drawn
+        return _settled(block, scene)
+
+    if continuation.continued(block, at_share, step=1.0, smallest=SMALLEST_HARDENING) != at.OK:
+        raise StaticsError("no start was found on the system's floor")
+    state.floor_depth, state.bristle = wanted
+
+
+@contextmanager
+def _named(scene: SystemScene, name: str) -> Iterator[None]:
+    """Errors of the line of a winch alone, in the words of the system's scene."""
+    winch = scene.winches[name]
+    line = scene.lines[winch.line]
+    end, far = (line.start, "to") if winch.at == "start" else (line.end, "from")
+
+    def path(own: str) -> str:
+        head, _dot, tail = own.partition(".")
+        if head == "vessel":
+            return f"vessels.{end.owner}.{tail}".rstrip(".")
+        if head == "payout":
+            return f"winches.{name}.{tail}".rstrip(".")
+        if head == "end":
+            return f"lines.{winch.line}.{far}.{tail}".rstrip(".")
+        if head == "line":
+            return f"lines.{winch.line}.items"
+        return own
+
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(
+            [SceneProblem(path(p.path), p.value, p.problem, p.allowed) for p in error.problems]
+        ) from None
+    except StaticsError as error:
+        raise StaticsError(f"lines.{winch.line}, which winches.{name} runs at t = 0: {error}") from None
