@@ -172,9 +172,6 @@ def _start_flowing(scene: SystemScene, built: Built) -> None:
         rate = winch.rate_at_start
         if rate == 0.0:
             continue
-        if block.header.floor_state == at.FLOOR_TOUCHED:
-            problem = "what touches the sea floor does not move along"
-            raise SceneError.at(f"winches.{name}.rate", rate, problem, "0 m/s at t = 0")
         row = built.winch(number)
         row.rate = rate
         # Nothing else holds it: a tree begins at the winch.
@@ -187,6 +184,25 @@ def _start_flowing(scene: SystemScene, built: Built) -> None:
             v[node, :3] = v[parents[node], :3]
             if node in runs:
                 v[node, :3] = v[top, :3] + rate * q[node, 3:]
+        if block.header.floor_state == at.FLOOR_TOUCHED:
+            _refuse_what_touches(scene, built, name, hangs)
+
+
+def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: set[int]) -> None:
+    """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, touches the floor."""
+    floor = scene.environment.floor
+    assert floor is not None
+    places = built.block.array(Header.position, built.nodes, 6)[:, :3]
+    depth = float(built.block.scalars.floor_depth)
+    for node in sorted(hangs):
+        x, y, z = (places[node] + built.block.scalars.origin).tolist()
+        if z - floor.height(x, y) < depth:
+            part, arc = built.where(node)
+            where = part if part in scene.bodies else f"{part} at {arc:.4g} m"
+            winch = scene.winches[name]
+            problem = f"{where} touches the sea floor, and {winch.line} is tied to more than its winch"
+            allowed = "0 m/s at t = 0, or a line by itself, which may end at an anchor"
+            raise SceneError.at(f"winches.{name}.rate", winch.rate_at_start, problem, allowed)
 
 
 def _solved(

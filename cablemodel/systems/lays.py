@@ -10,6 +10,7 @@ so in a bow, which friction holds. Where there is less, it lies straight, and th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,11 +18,12 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.scene import Scene
-from cablemodel.scene.environment import Floor
 from cablemodel.scene.line import End
+from cablemodel.scene.problems import problems_of
 from cablemodel.scene.schema import RunSettings
 from cablemodel.scene.vessel import Payout, Vessel
 from cablemodel.solvers.finite_element.block import Block
@@ -130,26 +132,39 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     )
     laid_loads.check_steady(held)
     if scene.rate_at_start < 0.0:
-        return from_scene.build(held, planar=False)
+        return _pulled(held, None)
     block = from_scene.build(scene, planar=False)
     lies = np.flatnonzero(laid_start.which_lie(block, scene))
     if not len(lies):
-        return from_scene.build(held, planar=False)
+        return _pulled(held, None)
     foot = int(lies[0])
-    floor = scene.environment.floor
-    assert floor is not None
     places = earth(block, block.array(Header.position, int(block.header.nodes), 6)[:, :3])
-    bow = _bow(floor, places[foot:], np.asarray(anchor), scene)
+    bow = _bow(scene, places[foot:], np.asarray(anchor))
     if bow is None:
         points, arcs = refinement.shape_of(block)
         points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
-        return from_scene.build(held, planar=False, points=points)
+        return _pulled(held, points)
     _lay_along(block, scene, foot, *bow)
     return block
 
 
+def _pulled(held: Scene, points: FloatArray | None) -> Block:
+    """The first state of a line that its anchor pulls; points: from which it is sought (n, 3) [m].
+
+    Raises:
+        SceneError: none of it lies, and its shape changes as the vessel goes on.
+    """
+    block = from_scene.build(held, planar=False, points=points)
+    if laid_start.which_lie(block, held)[:-1].any():
+        return block
+    anchor = np.asarray(held.end.position)
+    problem = f"{math.dist(held.vessel.position, anchor):.4g} m from the winch, so that "
+    problem += f"none of {held.line_length:g} m of line lies: what hangs has no steady state"
+    raise SceneError.at("end.anchor", anchor.tolist(), problem, "one nearer, or more cable out")
+
+
 def _bow(
-    floor: Floor, lies: FloatArray, anchor: FloatArray, scene: Scene
+    scene: Scene, lies: FloatArray, anchor: FloatArray
 ) -> tuple[FloatArray, FloatArray] | None:
     """Places (n, 3) of what lies, and its slopes (n, 3), in a bow from where it comes down to its
     anchor; None: it is too short for one.
@@ -159,6 +174,8 @@ def _bow(
     Raises:
         SceneError: the anchor is elsewhere than behind the vessel.
     """
+    floor = scene.environment.floor
+    assert floor is not None
     chords = np.linalg.norm(np.diff(lies, axis=0), axis=1)
     arcs = np.concatenate([[0.0], np.cumsum(chords)])
     back = lies[-1] - lies[0]
@@ -199,7 +216,7 @@ def _bow(
         )
         allowed = f"one within {allowed_aside:.3g} m of that way, or so much more cable out"
         raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
-    if scene.environment.floor is not None and scene.environment.floor.friction == 0.0:
+    if floor.friction == 0.0:
         problem = f"the line is {-straight:.4g} m too long, and no friction holds a bow of it"
         allowed = "one so much farther away, or less cable out"
         raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
@@ -220,26 +237,43 @@ def _bow(
 def _lay_along(
     block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray
 ) -> None:
-    """Lay what lies, from a node on, along other places (n, 3) of the earth [m] with slopes (n, 3);
-    it sinks as deep into the floor as it did, and friction holds it as it did.
+    """Lay what lies, from a node on, along other places (n, 3) of the earth [m] with slopes (n, 3),
+    its end held there; it sinks as deep into the floor as it did, and friction holds it as it did.
+
+    On long bristles first, where it slides to where no tension is left.
 
     Raises:
         StaticsError: it does not come to rest there.
     """
     floor = scene.environment.floor
     assert floor is not None
-    nodes = int(block.header.nodes)
+    nodes, state = int(block.header.nodes), block.scalars
     q = block.array(Header.position, nodes, 6)
     rest = block.array(Header.rest, nodes, 6)
     drawn = q[foot:] - rest[foot:]
     old = earth(block, q[foot:, :3])
     deep = old[:, 2] - [floor.height(float(x), float(y)) for x, y in old[:, :2]]
     places = places + np.outer(deep, [0.0, 0.0, 1.0])
-    q[foot:, :3] = places - block.scalars.origin
+    q[foot:, :3] = places - state.origin
     q[foot:, 3:] = slopes * np.linalg.norm(q[foot:, 3:], axis=1)[:, None]
-    rest[foot:] = q[foot:] - drawn
-    if _settled(block, scene) != at.OK:
-        raise StaticsError("no start was found in which friction holds what lies in its bow")
+    _hold_end(block)
+    bristle = float(state.bristle)
+    for length in (laid_start.longest_bristle(block, scene), bristle):
+        rest[foot:] = q[foot:] - drawn * length / bristle
+        state.bristle = length
+        status = _settled(block, scene)
+        state.bristle = bristle
+        if status != at.OK:
+            raise StaticsError("no start was found in which friction holds what lies in a bow")
+
+
+def _hold_end(block: Block) -> None:
+    """Hold the far end of a line where it is: in the row that is kept for it."""
+    row = block.array(Header.constraints, 2, at.CONSTRAINT_WORDS)[1]
+    last = int(block.header.nodes) - 1
+    row[at.Constraint.node], row[at.Constraint.kind] = last, at.HELD_BY_ANCHOR
+    row[at.Constraint.position.span] = block.array(Header.position, last + 1, 6)[last, :3]
+    block.header.constraint_count = 2
 
 
 def _settled(block: Block, scene: Scene) -> int:
@@ -300,9 +334,9 @@ def _named(scene: SystemScene, name: str) -> Iterator[None]:
 
     try:
         yield
-    except SceneError as error:
-        raise SceneError(
-            [SceneProblem(path(p.path), p.value, p.problem, p.allowed) for p in error.problems]
-        ) from None
+    except (SceneError, ValidationError) as error:
+        own = error.problems if isinstance(error, SceneError) else problems_of(error, Scene)
+        problems = [SceneProblem(path(p.path), p.value, p.problem, p.allowed) for p in own]
+        raise SceneError(problems) from None
     except StaticsError as error:
         raise StaticsError(f"lines.{winch.line}, which winches.{name} runs at t = 0: {error}") from None

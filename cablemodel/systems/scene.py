@@ -24,7 +24,7 @@ from cablemodel.scene.base import (
     UnitVector,
     also,
 )
-from cablemodel.scene.environment import Environment
+from cablemodel.scene.environment import Environment, Floor
 from cablemodel.scene.line import Cable, CableType, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import rows_from_file
@@ -544,8 +544,8 @@ class SystemScene(Document):
         ]
 
     def runs_alone(self, name: str) -> bool:
-        """Whether a winch runs at t = 0, over a sea floor, and its line is tied to nothing but its
-        vessel's point and, it may be, an anchor on the floor."""
+        """Whether a winch runs at t = 0, over a sea floor within reach, and its line is tied to
+        nothing but its vessel's point and, it may be, an anchor on the floor."""
         winch, floor = self.winches[name], self.environment.floor
         line = self.lines[winch.line]
         other = line.end if winch.at == "start" else line.start
@@ -555,7 +555,21 @@ class SystemScene(Document):
         if other.anchor is not None:
             x, y, z = other.anchor
             return z <= floor.height(x, y) + ON_FLOOR * line.length
-        return other.is_free
+        end = line.end_at(winch.at)
+        return other.is_free and self._may_reach(floor, end, line.length)
+
+    def _may_reach(self, floor: Floor, end: LineEnd, length: float) -> bool:
+        """Whether a line may touch the floor that hangs from a vessel's point, however that is
+        turned."""
+        vessel = self.vessels.get(end.owner)
+        if vessel is None or end.of_owner not in vessel.points:
+            return False  # what is reported
+        x, y, z = vessel.position
+        arm = math.hypot(*vessel.points[end.of_owner])
+        slope, top = 0.0, float(np.max(floor.grid_z)) if floor.z is None else floor.height(x, y)
+        if floor.z is not None:
+            slope = math.hypot(*floor.slope)
+        return z - top - arm * (1.0 + slope) < length * math.hypot(1.0, slope)
 
     def _ties(self, line: str) -> set[str]:
         """Names of a line, and of the bodies and lines at its ends."""
