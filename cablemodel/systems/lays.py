@@ -22,6 +22,7 @@ from pydantic import ValidationError
 
 from cablemodel.errors import SceneError, SceneProblem, StaticsError
 from cablemodel.scene import Scene
+from cablemodel.scene.environment import Floor
 from cablemodel.scene.line import End
 from cablemodel.scene.problems import problems_of
 from cablemodel.scene.schema import RunSettings
@@ -138,8 +139,9 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     if not len(lies):
         return _pulled(held, None)
     foot = int(lies[0])
-    places = earth(block, block.array(Header.position, int(block.header.nodes), 6)[:, :3])
-    bow = _bow(scene, places[foot:], np.asarray(anchor))
+    nodes = int(block.header.nodes)
+    places = earth(block, block.array(Header.position, nodes, 6)[:, :3])
+    bow = _bow(scene, places[foot:], np.asarray(anchor), _promised_stretch(block, scene))
     if bow is None:
         points, arcs = refinement.shape_of(block)
         points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
@@ -163,21 +165,30 @@ def _pulled(held: Scene, points: FloatArray | None) -> Block:
     raise SceneError.at("end.anchor", anchor.tolist(), problem, "one nearer, or more cable out")
 
 
+def _promised_stretch(block: Block, scene: Scene) -> float:
+    """What stretches what lies by no more than tensions may be wrong by [-]."""
+    means = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
+    kind = scene.cable_types[scene.cables[-1].type]
+    return from_scene.PROMISED * scene.solver.tolerance * float(means.max()) * float(
+        kind.strain_coefficients[0]
+    )
+
+
 def _bow(
-    scene: Scene, lies: FloatArray, anchor: FloatArray
+    scene: Scene, lies: FloatArray, anchor: FloatArray, stretch: float
 ) -> tuple[FloatArray, FloatArray] | None:
     """Places (n, 3) of what lies, and its slopes (n, 3), in a bow from where it comes down to its
     anchor; None: it is too short for one.
 
-    lies: its places behind the vessel, the nearest first (n, 3) [m].
+    lies: its places behind the vessel, the nearest first (n, 3) [m]; stretch: that it may have [-].
 
     Raises:
         SceneError: the anchor is elsewhere than behind the vessel.
     """
     floor = scene.environment.floor
     assert floor is not None
-    chords = np.linalg.norm(np.diff(lies, axis=0), axis=1)
-    arcs = np.concatenate([[0.0], np.cumsum(chords)])
+    lies = _down(floor, lies)
+    arcs = _along(lies)
     back = lies[-1] - lies[0]
     way = back[:2] / float(np.hypot(*back[:2]))
     left = np.array([-way[1], way[0]])
@@ -192,21 +203,18 @@ def _bow(
     across = aside * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     belly = 64.0 * (share * (1.0 - share)) ** 3
 
-    def curve(size: float) -> tuple[FloatArray, FloatArray]:
-        """Places (n, 3) on the floor, and the way along them (n,) [m]."""
-        points = np.empty((len(share), 3))
-        points[:, :2] = lies[0, :2] + ahead * np.outer(share, way)
-        points[:, :2] += np.outer(across + size * belly, left)
-        points[:, 2] = [floor.height(float(x), float(y)) for x, y in points[:, :2]]
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        return points, np.concatenate([[0.0], np.cumsum(steps)])
+    def curve(size: float) -> FloatArray:
+        """Places (n, 3) on the floor [m]."""
+        points = np.tile(lies[0], (len(share), 1))
+        points[:, :2] += np.outer(ahead * share, way) + np.outer(across + size * belly, left)
+        return _down(floor, points)
 
     def missing(size: float) -> float:
-        return float(curve(size)[1][-1]) - float(arcs[-1])
+        return float(_along(curve(size))[-1] - arcs[-1])
 
     sign = 1.0 if aside >= 0.0 else -1.0
     straight, most = missing(0.0), sign * float(arcs[-1])
-    if straight > 0.0:
+    if straight > stretch * arcs[-1]:
         allowed_aside = scene.solver.tolerance * scene.line_length
         if abs(aside) <= allowed_aside:
             return None
@@ -216,22 +224,37 @@ def _bow(
         )
         allowed = f"one within {allowed_aside:.3g} m of that way, or so much more cable out"
         raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
-    if floor.friction == 0.0:
+    if floor.friction == 0.0 and straight < -stretch * arcs[-1]:
         problem = f"the line is {-straight:.4g} m too long, and no friction holds a bow of it"
         allowed = "one so much farther away, or less cable out"
         raise SceneError.at("end.anchor", anchor.tolist(), problem, allowed)
-    size = crossing(
-        missing, 0.0, most, at_low=straight, at_high=missing(most), near=0.0,
-        width=1e-12 * abs(most),
-    )  # fmt: skip
-    points, along = curve(size)
-    along *= arcs[-1] / along[-1]
-    places = np.column_stack([np.interp(arcs, along, points[:, k]) for k in range(3)])
-    tangents = np.gradient(points, along, axis=0)
-    slopes = np.column_stack([np.interp(arcs, along, tangents[:, k]) for k in range(3)])
-    places[:, 2] = [floor.height(float(x), float(y)) for x, y in places[:, :2]]
+    size = 0.0
+    if straight < 0.0:
+        size = crossing(
+            missing, 0.0, most, at_low=straight, at_high=missing(most), near=0.0,
+            width=1e-12 * abs(most),
+        )  # fmt: skip
+    points = curve(size)
+    steps = _along(points)
+    steps *= arcs[-1] / steps[-1]
+    tangents = np.gradient(points, steps, axis=0)
+    places = np.column_stack([np.interp(arcs, steps, points[:, k]) for k in range(3)])
+    slopes = np.column_stack([np.interp(arcs, steps, tangents[:, k]) for k in range(3)])
     places[-1, :2] = anchor[:2]
+    places = _down(floor, places)
     return places, slopes / np.linalg.norm(slopes, axis=1)[:, None]
+
+
+def _down(floor: Floor, points: FloatArray) -> FloatArray:
+    """Points (n, 3) brought down, or up, to the floor [m]."""
+    heights = [floor.height(float(x), float(y)) for x, y in points[:, :2]]
+    return np.column_stack([points[:, :2], heights])
+
+
+def _along(points: FloatArray) -> FloatArray:
+    """Way along a polyline (n, 3) at each of its points (n,) [m]."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _lay_along(
@@ -252,9 +275,7 @@ def _lay_along(
     rest = block.array(Header.rest, nodes, 6)
     drawn = q[foot:] - rest[foot:]
     old = earth(block, q[foot:, :3])
-    deep = old[:, 2] - [floor.height(float(x), float(y)) for x, y in old[:, :2]]
-    places = places + np.outer(deep, [0.0, 0.0, 1.0])
-    q[foot:, :3] = places - state.origin
+    q[foot:, :3] = places + old - _down(floor, old) - state.origin
     q[foot:, 3:] = slopes * np.linalg.norm(q[foot:, 3:], axis=1)[:, None]
     _hold_end(block)
     bristle = float(state.bristle)
