@@ -189,7 +189,7 @@ def _start_flowing(scene: SystemScene, built: Built) -> None:
 
 
 def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: set[int]) -> None:
-    """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, touches the floor."""
+    """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, is on the floor."""
     floor = scene.environment.floor
     assert floor is not None
     places = built.block.array(Header.position, built.nodes, 6)[:, :3]
@@ -200,7 +200,7 @@ def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: set
             part, arc = built.where(node)
             where = part if part in scene.bodies else f"{part} at {arc:.4g} m"
             winch = scene.winches[name]
-            problem = f"{where} touches the sea floor, and {winch.line} is tied to more than its winch"
+            problem = f"{where} touches the sea floor, and {winch.line} is tied to more"
             allowed = "0 m/s at t = 0, or a line by itself, which may end at an anchor"
             raise SceneError.at(f"winches.{name}.rate", winch.rate_at_start, problem, allowed)
 

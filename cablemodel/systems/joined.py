@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 OF_A_START = (
-    at.Edge.bending, at.Edge.bending_full, at.Edge.damping, at.Edge.stabilisation,
+    at.Edge.bending, at.Edge.bending_full, at.Edge.flexible, at.Edge.damping, at.Edge.stabilisation,
     at.Edge.third_rest, at.Edge.bears, at.Edge.yields, at.Edge.model, at.Edge.nominal,
     at.Edge.support,
 )  # fmt: skip
@@ -74,7 +74,8 @@ def joined(scene: SystemScene, rest: Built | None, starts: list[tuple[Lay, Block
     block.header.sleep = 0
     of_line = np.array([name for name, _arc in tree.arcs])
     if rest is not None:
-        _put_rest(built, rest, np.flatnonzero(~np.isin(of_line, [lay.line for lay, _own in starts])))
+        apart = [lay.line for lay, _own in starts]
+        _put_rest(built, rest, np.flatnonzero(~np.isin(of_line, apart)))
     for lay, own in starts:
         own_nodes = np.flatnonzero(of_line == lay.line)
         _put_line(built, lay, own, own_nodes if _outward(built, lay) else own_nodes[::-1])
@@ -173,6 +174,10 @@ def _put_rest(built: Built, rest: Built, nodes: Indices) -> None:
 def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
     """The state of a line that starts alone; nodes: where its nodes are in the whole."""
     block, count = built.block, len(nodes)
+    if own.header.limp == at.LAYS_SLACK:
+        own.array(Header.edges, count, at.EDGE_WORDS)[:, at.Edge.flexible] *= at.LAYS_SLACK
+        of_cables = own.array(Header.cables, int(own.header.cable_count), at.CABLE_WORDS)
+        of_cables[:, at.Cable.edge.word + at.Edge.flexible.word] *= at.LAYS_SLACK
     outward = bool(nodes[0] <= nodes[-1])
     way = 1.0 if outward else -1.0
     for header in (Header.position, Header.velocity, Header.acceleration, Header.rest):
@@ -182,18 +187,20 @@ def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
         state[:, 3:] *= way
         block.array(header, built.nodes, 6)[nodes] = state
     # An element has the number of its node that is farther along the tree.
-    elements, mine = (nodes[1:], np.arange(1, count)) if outward else (nodes[:-1], np.arange(1, count))
-    tension = own.array(Header.tension, count, 2)[mine] * [1.0, way]
+    elements = nodes[1:] if outward else nodes[:-1]
+    tension = own.array(Header.tension, count, 2)[1:] * [1.0, way]
     block.array(Header.tension, built.nodes, 2)[elements] = tension
     edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
     edges_of_own = own.array(Header.edges, count, at.EDGE_WORDS)
     for word in OF_A_START:
-        edges[elements, word] = edges_of_own[mine, word]
+        edges[elements, word] = edges_of_own[1:, word]
     cables = block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)
     numbers = [k for k, part in enumerate(built.tree.segments) if part.line == lay.line]
     if outward:
         numbers.reverse()
     table = own.array(Header.cables, len(numbers), at.CABLE_WORDS)
+    # Of a line that lies its weight says nothing: what is promised goes by what hangs.
+    cables[numbers, at.Cable.tension] = np.abs(tension[:, 0]).max()
     for number, row in zip(numbers, table, strict=True):
         for column in OF_A_CABLE:
             cables[number, column] = row[column]

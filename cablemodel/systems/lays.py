@@ -360,4 +360,5 @@ def _named(scene: SystemScene, name: str) -> Iterator[None]:
         problems = [SceneProblem(path(p.path), p.value, p.problem, p.allowed) for p in own]
         raise SceneError(problems) from None
     except StaticsError as error:
-        raise StaticsError(f"lines.{winch.line}, which winches.{name} runs at t = 0: {error}") from None
+        where = f"lines.{winch.line}, which winches.{name} runs at t = 0"
+        raise StaticsError(f"{where}: {error}") from None

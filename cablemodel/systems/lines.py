@@ -133,7 +133,7 @@ def flows_at_start(scene: SystemScene) -> FloatArray:
 
 def steady_velocity(scene: SystemScene) -> FloatArray:
     """Velocity of the frame in which the system is at rest at t = 0, (3,) [m/s]: that of its
-    vessels, or of the water where nothing holds it. Lines that start alone have frames of their own.
+    vessels, or of the water where nothing holds it. Lines that start alone have their own.
 
     Raises:
         SceneError: there is none.

@@ -296,7 +296,7 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
-    flexible = real("1: cable without bending stiffness")
+    flexible = real("1: cable without bending stiffness; LAYS_SLACK: of a lay in a system")
     bears = real("pressure that it bears before it bends aside within the element", "N")
     yields = real("stiffness beyond; 0: it never does", "N")
     bending_full = real("bending stiffness of the cable", "N m2")

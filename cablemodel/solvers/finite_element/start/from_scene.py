@@ -129,12 +129,15 @@ def build(
 
 
 def _refuse_what_pushes(block: Block, scene: Scene) -> None:
-    """Refuse a lay to an anchor that would push it: what lies would fold."""
+    """Refuse a lay that would push its anchor: what lies would fold."""
     means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
-    pressed = -float(means.min())
+    pressed, anchor = -float(means.min()), scene.end.position
+    assert anchor is not None
     if pressed > PROMISED * scene.solver.tolerance * float(np.abs(means).max()):
-        problem = f"there is more cable than a lay to it takes: it would push by {pressed:.3g} N"
-        raise SceneError.at("end.anchor", scene.end.position, problem, "one farther away")
+        problem = f"what lies would push it by {pressed:.3g} N: there is more cable than a lay takes"
+        if scene.environment.floor is not None and np.any(laid_loads.slopes(scene, *anchor[:2])):
+            problem += ", or it would slide down to it"
+        raise SceneError.at("end.anchor", anchor, problem, "one farther away, or a free end")
 
 
 def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> None:

@@ -28,6 +28,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_f
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
 from cablemodel.solvers.shared.access import (
     body_of,
+    cable_of,
     closure_of,
     constraint_of,
     edge_of,
@@ -55,12 +56,29 @@ def push_of(M, edge):
     return FOLDED * edge.contact * touchdown_layer(M, edge)
 
 
+@inlined
+def is_laid_slack(I, edge):
+    """Whether an element is flexible cable of a lay that begins with slack, once one does: in a
+    system not all lines do."""
+    return edge.flexible != 0.0 and (header(I).parts == 0 or edge.flexible == LAYS_SLACK)
+
+
+@inlined
+def may_be_wrong(I, M, edge):
+    """By what the tension of an element may be wrong [N], by the largest in its line so far."""
+    state = scalars(M)
+    if header(I).parts != 0:
+        return 10.0 * state.tolerance * cable_of(I, M, int(edge.segment)).tension
+    typical = state.tolerance * state.tension_scale
+    return 10.0 * state.tolerance * max(state.largest_tension, typical)
+
+
 @kernel
-def has_slack(I, M, promised):
+def has_slack(I, M):
     """Whether flexible cable of a lay is slack: where it lies its material is pressed, or would
-    be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than half of
-    what folds of its least bending push back with. What hangs may be pressed by a blow; cable that
-    bends and lies straight may bear more than its folds do."""
+    be if it were not limp, by more than tensions may be wrong by, and than half of what folds of
+    its least bending push back with. What hangs may be pressed by a blow; cable that bends and lies
+    straight may bear more than its folds do."""
     head = header(I)
     q = view(M, head.position, 2 * head.dimension * head.nodes)
     if not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
@@ -70,13 +88,13 @@ def has_slack(I, M, promised):
         if pressure <= 0.0 or I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        if edge.flexible == 0.0:
+        if not is_laid_slack(I, edge):
             continue
         if is_limp(edge):
             pressure /= edge.yields * edge.compliance
         elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
             continue
-        if pressure > max(promised, 0.5 * push_of(M, edge)):
+        if pressure > max(may_be_wrong(I, M, edge), 0.5 * push_of(M, edge)):
             return True
     return False
 
@@ -161,24 +179,25 @@ def choose_limp(I, M):
     largest = state.largest_tension
     if largest > 1e300:
         return
-    may_be_wrong = 10.0 * state.tolerance * max(largest, state.tolerance * state.tension_scale)
-    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M, may_be_wrong)
-    state.yields = BORNE * may_be_wrong if limp else 0.0
+    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M)
+    state.yields = 0.0
     promised = promised_tension(M)
     hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
     undamped = state.undamped != 0.0
-    hung = find_hung(I, M) if hangs and not limp else 0
+    hung = find_hung(I, M) if hangs and not (limp and head.parts == 0) else 0
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if edge.flexible == 0.0:
             continue
         t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
-        if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
+        laid = limp and is_laid_slack(I, edge)
+        if not laid and edge.bears > 0.0 and folds(M, edge, t0, t1):
             continue  # a stiffer one would be pressed by what it has been shortened by
         edge.bears = 0.0
         edge.yields = 0.0
-        if limp:
-            edge.yields = state.yields
+        if laid:
+            edge.yields = BORNE * may_be_wrong(I, M, edge)
+            state.yields = edge.yields if state.yields == 0.0 else min(state.yields, edge.yields)
         elif hangs and (M[hung + node] != 0.0 or not undamped):
             hang_limp(I, M, edge, promised, M[hung + node] != 0.0)
 
