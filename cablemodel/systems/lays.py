@@ -139,15 +139,42 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     if not len(lies):
         return _pulled(held, None)
     foot = int(lies[0])
-    nodes = int(block.header.nodes)
-    places = earth(block, block.array(Header.position, nodes, 6)[:, :3])
-    bow = _bow(scene, places[foot:], np.asarray(anchor), _promised_stretch(block, scene))
-    if bow is None:
-        points, arcs = refinement.shape_of(block)
-        points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
-        return _pulled(held, points)
+    stretch = _promised_stretch(block, scene)
+    for _round in range(refinement.REFINEMENT_ROUNDS):
+        nodes = int(block.header.nodes)
+        places = earth(block, block.array(Header.position, nodes, 6)[:, :3])
+        bow = _bow(scene, places[foot:], np.asarray(anchor), stretch)
+        if bow is None:
+            points, arcs = refinement.shape_of(block)
+            points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
+            return _pulled(held, points)
+        if not _halved(block, scene, foot, *bow):
+            break
     _lay_along(block, scene, foot, *bow)
     return block
+
+
+def _halved(
+    block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray
+) -> bool:
+    """Whether elements have been halved that would bend too much with their nodes, from one on, at
+    other places (n, 3) with slopes (n, 3): those of static shapes (start/refinement.py)."""
+    from cablemodel.solvers import library as entry
+
+    steps = np.diff(places, axis=0)
+    h = np.linalg.norm(steps, axis=1)[:, None]
+    first = (6.0 * steps / h - 4.0 * slopes[:-1] - 2.0 * slopes[1:]) / h
+    last = (2.0 * slopes[:-1] + 4.0 * slopes[1:] - 6.0 * steps / h) / h
+    jumps = np.linalg.norm(first[1:] - last[:-1], axis=1)
+    jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
+    jump[-1] = max(jump[-1], 0.25 * float(np.linalg.norm(first[-1] - last[-1])))
+    allowed = refinement.REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
+    changed = False
+    for node in foot + 1 + np.flatnonzero(h[:, 0] ** 2 * jump > allowed)[::-1]:
+        while (found := entry.halve_at_rest(block.ints, block.reals, int(node))) == at.NO_CAPACITY:
+            block.grow()
+        changed |= found == at.CHANGED
+    return changed
 
 
 def _pulled(held: Scene, points: FloatArray | None) -> Block:
