@@ -140,23 +140,21 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
         return _pulled(held, None)
     foot = int(lies[0])
     stretch = _promised_stretch(block, scene)
+    bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
+    if bow is None:
+        points, arcs = refinement.shape_of(block)
+        points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
+        return _pulled(held, points)
     for _round in range(refinement.REFINEMENT_ROUNDS):
-        nodes = int(block.header.nodes)
-        places = earth(block, block.array(Header.position, nodes, 6)[:, :3])
-        bow = _bow(scene, places[foot:], np.asarray(anchor), stretch)
-        if bow is None:
-            points, arcs = refinement.shape_of(block)
-            points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
-            return _pulled(held, points)
-        if not _halved(block, scene, foot, *bow):
+        if bow is None or not _halved(block, scene, foot, *bow):
             break
+        bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
+    assert bow is not None  # halves are as long as the whole
     _lay_along(block, scene, foot, *bow)
     return block
 
 
-def _halved(
-    block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray
-) -> bool:
+def _halved(block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray) -> bool:
     """Whether elements have been halved that would bend too much with their nodes, from one on, at
     other places (n, 3) with slopes (n, 3): those of static shapes (start/refinement.py)."""
     from cablemodel.solvers import library as entry
@@ -183,7 +181,7 @@ def _pulled(held: Scene, points: FloatArray | None) -> Block:
     Raises:
         SceneError: none of it lies, and its shape changes as the vessel goes on.
     """
-    block = from_scene.build(held, planar=False, points=points)
+    block = from_scene.build(held, planar=False, near=points)
     if laid_start.which_lie(block, held)[:-1].any():
         return block
     anchor = np.asarray(held.end.position)
@@ -196,24 +194,29 @@ def _promised_stretch(block: Block, scene: Scene) -> float:
     """What stretches what lies by no more than tensions may be wrong by [-]."""
     means = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
     kind = scene.cable_types[scene.cables[-1].type]
-    return from_scene.PROMISED * scene.solver.tolerance * float(means.max()) * float(
-        kind.strain_coefficients[0]
+    return (
+        from_scene.PROMISED
+        * scene.solver.tolerance
+        * float(means.max())
+        * float(kind.strain_coefficients[0])
     )
 
 
 def _bow(
-    scene: Scene, lies: FloatArray, anchor: FloatArray, stretch: float
+    block: Block, scene: Scene, foot: int, anchor: FloatArray, stretch: float
 ) -> tuple[FloatArray, FloatArray] | None:
     """Places (n, 3) of what lies, and its slopes (n, 3), in a bow from where it comes down to its
     anchor; None: it is too short for one.
 
-    lies: its places behind the vessel, the nearest first (n, 3) [m]; stretch: that it may have [-].
+    foot: the node nearest to the vessel that lies; stretch: that what lies may have [-].
 
     Raises:
         SceneError: the anchor is elsewhere than behind the vessel.
     """
     floor = scene.environment.floor
     assert floor is not None
+    nodes = int(block.header.nodes)
+    lies = earth(block, block.array(Header.position, nodes, 6)[foot:, :3])
     lies = _down(floor, lies)
     arcs = _along(lies)
     back = lies[-1] - lies[0]

@@ -115,6 +115,7 @@ LAYS = [
     (LIGHT, 2.0, 500.0, 20.0, -5.0, 0.0),
 ]
 """Cable, knots, depth [m], bending stiffness [N m2], slope [degrees], slack."""
+NOT_TAUT = [row for row in LAYS if row[-1] >= 0.0]
 
 
 @pytest.mark.parametrize("at", ["start", "end"])
@@ -144,7 +145,7 @@ def test_a_lay_is_that_of_its_line_alone(
         model.step(10.0)
 
 
-@pytest.mark.parametrize(("kind", "knots", "depth", "bending", "slope", "slack"), [row for row in LAYS if row[-1] >= 0.0])
+@pytest.mark.parametrize(("kind", "knots", "depth", "bending", "slope", "slack"), NOT_TAUT)
 def test_an_anchor_where_the_lay_ends_changes_nothing(
     kind: dict[str, float], knots: float, depth: float, bending: float, slope: float, slack: float
 ) -> None:
@@ -317,6 +318,32 @@ def test_two_ships_lay_at_their_own_speeds_beside_a_mooring() -> None:
             single.step(10.0)
         assert model.lines["leg"].end_tension == pytest.approx(leg, rel=TAU)
         model.step(10.0)
+
+
+def test_a_load_is_lowered_from_the_start_beside_a_line_on_the_floor() -> None:
+    """What touches the floor is not what hangs on the winch."""
+    body = {
+        "mass": 4000.0, "submerged_weight": 30e3, "inertia": 800.0, "drag_area": 1.0,
+        "points": {"eye": [0, 0, 0.5]},
+    }  # fmt: skip
+    leg = {"from": "rig.leg", "to": {"anchor": [150, 0, -100]},
+           "items": [{"cable": {"type": "wire", "length": 200.0}}]}  # fmt: skip
+    scene = {
+        "environment": {"floor": {"z": -100.0, "friction": 0.5}},
+        "cable_types": {"wire": WIRE},
+        "vessels": {"rig": {"points": {"leg": [0, 0, 0], "boom": [-20, 0, 10]}}},
+        "bodies": {"load": body},
+        "lines": {
+            "leg": leg,
+            "hoist": {"from": "rig.boom", "to": "load.eye",
+                      "items": [{"cable": {"type": "wire", "length": 60.0}}]},
+        },
+        "winches": {"main": {"line": "hoist", "rate": 0.5, "drum": 30.0}},
+    }  # fmt: skip
+    model = started(scene)
+    below = model.bodies["load"].position[2]
+    model.step(10.0)
+    assert model.bodies["load"].position[2] == pytest.approx(below - 5.0, abs=0.02)
 
 
 def test_slack_of_a_light_lay_beside_a_heavy_load() -> None:

@@ -134,11 +134,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
     Raises:
         StaticsError: none was found.
     """
-    from cablemodel.solvers import library as entry
-
-    ints, reals = block.ints, block.reals
-    head = Header(ints)
-    state = Scalars(reals)
+    head = Header(block.ints)
+    state = Scalars(block.reals)
     held = head.constraint_count > 1
     friction = state.friction
 

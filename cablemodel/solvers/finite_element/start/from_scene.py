@@ -83,13 +83,13 @@ def build(
     *,
     planar: bool | None = None,
     room: float = 1.0,
-    points: FloatArray | None = None,
+    near: FloatArray | None = None,
 ) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
     scene lies in one. ``room``: lengths of line and drum for which there is room, in units of the
-    scene's. ``points``: a polyline (n, 3) [m] from which a static start is sought first. A static
+    scene's. ``near``: a polyline (n, 3) [m] from which a static start is sought first. A static
     start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
@@ -98,8 +98,8 @@ def build(
     refuse_unsupported(scene)
     first: StaticsError | None = None
     with searching(scene) as search:
-        near = [] if points is None else [Strategy(points=points)]
-        for strategy in itertools.chain(near, _strategies(scene)):
+        nearest = [] if near is None else [Strategy(points=near)]
+        for strategy in itertools.chain(nearest, _strategies(scene)):
             sought = (
                 scene if strategy.points is None and not scene.starts_steady else _steady(scene)
             )
@@ -134,9 +134,9 @@ def _refuse_what_pushes(block: Block, scene: Scene) -> None:
     pressed, anchor = -float(means.min()), scene.end.position
     assert anchor is not None
     if pressed > PROMISED * scene.solver.tolerance * float(np.abs(means).max()):
-        problem = f"what lies would push it by {pressed:.3g} N: there is more cable than a lay takes"
+        problem = f"what lies would push it by {pressed:.3g} N: a lay to it takes less cable"
         if scene.environment.floor is not None and np.any(laid_loads.slopes(scene, *anchor[:2])):
-            problem += ", or it would slide down to it"
+            problem += ", or slides down to it"
         raise SceneError.at("end.anchor", anchor, problem, "one farther away, or a free end")
 
 
