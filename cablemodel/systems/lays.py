@@ -11,6 +11,7 @@ so in a bow, which friction holds. Where there is less, it lies straight, and th
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -48,6 +49,8 @@ from cablemodel.systems.scene import SystemScene, SystemWinch
 FloatArray = NDArray[np.float64]
 Place = tuple[float, float, float]
 
+_FROM_POINTS = re.compile(r"(, or start from|; give) initial: .*$")
+"""Advice that a line of a system cannot follow."""
 BEGINS = 1e-3
 """Length of the run of a scene of which the start alone is wanted [s]."""
 BOW_PARTS = 400
@@ -391,4 +394,4 @@ def _named(scene: SystemScene, name: str) -> Iterator[None]:
         raise SceneError(problems) from None
     except StaticsError as error:
         where = f"lines.{winch.line}, which winches.{name} runs at t = 0"
-        raise StaticsError(f"{where}: {error}") from None
+        raise StaticsError(f"{where}: {_FROM_POINTS.sub('', str(error))}") from None
