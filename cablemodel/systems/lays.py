@@ -142,7 +142,9 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     if not len(lies):
         return _pulled(held, None)
     foot = int(lies[0])
-    stretch = _promised_stretch(block, scene)
+    # What stretches what lies by no more than tensions may be wrong by.
+    kind = scene.cable_types[scene.cables[-1].type]
+    stretch = from_scene.promised_tension(block, scene) * float(kind.strain_coefficients[0])
     bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
     if bow is None:
         points, arcs = refinement.shape_of(block)
@@ -191,18 +193,6 @@ def _pulled(held: Scene, points: FloatArray | None) -> Block:
     problem = f"{math.dist(held.vessel.position, anchor):.4g} m from the winch, so that "
     problem += f"none of {held.line_length:g} m of line lies: what hangs has no steady state"
     raise SceneError.at("end.anchor", anchor.tolist(), problem, "one nearer, or more cable out")
-
-
-def _promised_stretch(block: Block, scene: Scene) -> float:
-    """What stretches what lies by no more than tensions may be wrong by [-]."""
-    means = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
-    kind = scene.cable_types[scene.cables[-1].type]
-    return (
-        from_scene.PROMISED
-        * scene.solver.tolerance
-        * float(means.max())
-        * float(kind.strain_coefficients[0])
-    )
 
 
 def _bow(

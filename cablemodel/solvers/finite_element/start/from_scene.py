@@ -72,8 +72,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-PROMISED = 10.0
-"""Times the tolerance: what tensions may be wrong by, over the largest."""
 DRAWN = 0.01
 """Of the largest tension: more where a lay lands is said."""
 
@@ -128,12 +126,18 @@ def build(
     raise first
 
 
+def promised_tension(block: Block, scene: Scene) -> float:
+    """What tensions of a start may be wrong by [N]."""
+    means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
+    return 10.0 * scene.solver.tolerance * float(np.abs(means).max())
+
+
 def _refuse_what_pushes(block: Block, scene: Scene) -> None:
     """Refuse a lay that would push its anchor: what lies would fold."""
     means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
     pressed, anchor = -float(means.min()), scene.end.position
     assert anchor is not None
-    if pressed > PROMISED * scene.solver.tolerance * float(np.abs(means).max()):
+    if pressed > promised_tension(block, scene):
         problem = f"what lies would push it by {pressed:.3g} N: a lay to it takes less cable"
         if scene.environment.floor is not None and np.any(laid_loads.slopes(scene, *anchor[:2])):
             problem += ", or slides down to it"
