@@ -139,7 +139,7 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
         return _pulled(held, None)
     block = from_scene.build(scene, planar=False)
     lies = np.flatnonzero(laid_start.which_lie(block, scene))
-    if not len(lies):
+    if len(lies) < 2:
         return _pulled(held, None)
     foot = int(lies[0])
     # What stretches what lies by no more than tensions may be wrong by.
@@ -155,7 +155,7 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
             break
         bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
     assert bow is not None  # halves are as long as the whole
-    _lay_along(block, scene, foot, *bow)
+    _lay_along(block, scene, foot, np.asarray(anchor), *bow)
     return block
 
 
@@ -281,10 +281,15 @@ def _along(points: FloatArray) -> FloatArray:
 
 
 def _lay_along(
-    block: Block, scene: Scene, foot: int, places: FloatArray, slopes: FloatArray
+    block: Block,
+    scene: Scene,
+    foot: int,
+    anchor: FloatArray,
+    places: FloatArray,
+    slopes: FloatArray,
 ) -> None:
-    """Lay what lies, from a node on, along other places (n, 3) of the earth [m] with slopes (n, 3),
-    its end held there; it sinks as deep into the floor as it did, and friction holds it as it did.
+    """Lay what lies, from a node on, along other places (n, 3) of the earth [m] with slopes (n, 3)
+    to its anchor (3,); it sinks as deep into the floor as it did, and friction holds it as it did.
 
     On long bristles first, where it slides to where no tension is left.
 
@@ -300,6 +305,7 @@ def _lay_along(
     old = earth(block, q[foot:, :3])
     q[foot:, :3] = places + old - _down(floor, old) - state.origin
     q[foot:, 3:] = slopes * np.linalg.norm(q[foot:, 3:], axis=1)[:, None]
+    q[-1, :3] = anchor - state.origin
     _hold_end(block)
     bristle = float(state.bristle)
     for length in (laid_start.longest_bristle(block, scene), bristle):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import math
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ from tests.verification.references.lays import (
 )
 
 FloatArray = NDArray[np.float64]
+SCENES = sorted((Path(__file__).parents[2] / "scenes" / "systems").glob("*.yaml"))
 TAU = 1e-3
 SOON = 6.0
 """Seconds for a start, as of a line alone."""
@@ -294,6 +296,37 @@ def test_a_plough_that_is_towed_beside_feels_nothing_of_it() -> None:
         assert pulls[0] == pytest.approx(pulls[1], rel=10.0 * TAU)
         where = [each.bodies["plough"].position for each in (model, other)]
         assert np.linalg.norm(where[0] - where[1]) < TAU * 215.0
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_any_system_starts_as_without_a_lay_beside(path: Path) -> None:
+    """Branches, cycles, clamps, cuts, drums, foils, feet: each at its place in the whole."""
+    scene = cm.load_system(path).to_dict()
+    scene["environment"].setdefault("floor", {"z": -1500.0, "friction": 0.5})
+    whole = copy.deepcopy(scene)
+    whole["cable_types"]["light"] = {**LIGHT, "bending_stiffness": 20.0}
+    whole["vessels"] = {
+        "layer": {"position": [0, 3000, 0], "velocity": [0.6, 0, 0],
+                  "points": {"roller": [-20, 0, 0]}},
+        **whole.get("vessels", {}),
+    }  # fmt: skip
+    length = 2.5 * abs(scene["environment"]["floor"]["z"]) + 50.0
+    lay = {"from": "free", "to": "layer.roller",
+           "items": [{"cable": {"type": "light", "length": length}}]}  # fmt: skip
+    whole["lines"] = {"lay": lay, **whole["lines"]}
+    winch = {"line": "lay", "at": "end", "rate": 0.6, "drum": 50.0}
+    whole["winches"] = {"laying": winch, **whole.get("winches", {})}
+    model, other = SystemModel(whole), SystemModel(scene)
+    for near in (TAU, 10.0 * TAU):
+        for name, line in other.lines.items():
+            largest = max(map(abs, line.tension_range))
+            own = model.lines[name]
+            assert own.start_tension == pytest.approx(line.start_tension, abs=near * largest)
+            assert own.end_tension == pytest.approx(line.end_tension, abs=near * largest)
+        for name, body in other.bodies.items():
+            assert np.linalg.norm(model.bodies[name].position - body.position) < 0.01
+        model.step(2.0)
+        other.step(2.0)
 
 
 def test_two_ships_lay_at_their_own_speeds_beside_a_mooring() -> None:
