@@ -147,9 +147,7 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     stretch = from_scene.promised_tension(block, scene) * float(kind.strain_coefficients[0])
     bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
     if bow is None:
-        points, arcs = refinement.shape_of(block)
-        points += np.outer(arcs / arcs[-1], np.asarray(anchor) - points[-1])
-        return _pulled(held, points)
+        return _pulled(held, from_scene.drawn_to(block, np.asarray(anchor)))
     for _round in range(refinement.REFINEMENT_ROUNDS):
         if bow is None or not _halved(block, scene, foot, *bow):
             break

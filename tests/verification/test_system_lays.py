@@ -164,6 +164,17 @@ def test_an_anchor_where_the_lay_ends_changes_nothing(
         model.step(10.0)
 
 
+def test_a_deep_lay_to_an_anchor_starts_soon_alone_too() -> None:
+    """From the shape of the lay with a free end; from a catenary it took a quarter of a minute."""
+    scene, _rate = lay(LIGHT, 5.0, 4000.0, bending=20.0)
+    free = cm.CableModel(scene)
+    end = free.sample([scene.line_length]).position[0].tolist()
+    began = time.process_time()
+    model = cm.CableModel({**scene.to_dict(), "end": {"anchor": end}})
+    assert time.process_time() - began < SOON
+    assert model.top_tension == pytest.approx(free.top_tension, rel=TAU)
+
+
 @pytest.mark.parametrize("bending", [0.0, 20.0])
 @pytest.mark.parametrize("off", [(3.0, 0.0), (20.0, 0.0), (10.0, 18.0), (10.0, -18.0)])
 def test_what_is_more_than_the_lay_takes_lies_in_a_bow(

@@ -21,7 +21,7 @@ from cablemodel.errors import (
     SweptStartWarning,
     TautLayWarning,
 )
-from cablemodel.scene.line import Initial
+from cablemodel.scene.line import End, Initial
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.mesh import line_nodes
@@ -57,6 +57,7 @@ from cablemodel.solvers.finite_element.start.refinement import (
     halved,
     refine_touchdown,
     refined,
+    shape_of,
     spare_nodes,
 )
 from cablemodel.solvers.finite_element.start.refusals import refuse_unsupported
@@ -95,6 +96,8 @@ def build(
     """
     refuse_unsupported(scene)
     first: StaticsError | None = None
+    if near is None and scene.rate_at_start > 0.0 and _is_held_under_way(scene):
+        near = _near_the_lay(scene, planar)
     with searching(scene) as search:
         nearest = [] if near is None else [Strategy(points=near)]
         for strategy in itertools.chain(nearest, _strategies(scene)):
@@ -112,7 +115,7 @@ def build(
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
                 if found.header.limp and laid_loads.lays_slack(sought):
                     found.header.limp = at.LAYS_SLACK
-                if scene.end.kind == "anchor" and np.any(laid_loads.lay_motion(scene)[0]):
+                if _is_held_under_way(scene):
                     _refuse_what_pushes(found, scene)
                 _unfold(found, scene, planar)
                 return found
@@ -124,6 +127,28 @@ def build(
                     first = first or problem
     assert first is not None
     raise first
+
+
+def _is_held_under_way(scene: Scene) -> bool:
+    """Whether a static start is asked for of a line to an anchor while its vessel moves."""
+    moves = bool(np.any(laid_loads.lay_motion(scene)[0]))
+    return scene.starts_at_rest and scene.end.kind == "anchor" and moves
+
+
+def _near_the_lay(scene: Scene, planar: bool | None) -> FloatArray | None:
+    """A first shape of a lay to an anchor, from that with a free end (n, 3) [m]; None: there is no
+    such lay."""
+    laid_loads.check_steady(scene)
+    free = scene.model_copy(update={"end": End.model_validate("free")})
+    with contextlib.suppress(StaticsError):
+        return drawn_to(build(free, planar=planar), np.asarray(scene.end.position))
+    return None
+
+
+def drawn_to(block: Block, anchor: FloatArray) -> FloatArray:
+    """The shape of a line, drawn to an anchor (3,) by more and more of it, (n, 3) [m]."""
+    points, arcs = shape_of(block)
+    return points + np.outer(arcs / arcs[-1], anchor - points[-1])
 
 
 def promised_tension(block: Block, scene: Scene) -> float:
