@@ -141,34 +141,49 @@ def _put_rest(built: Built, rest: Built, nodes: Indices) -> None:
         block.array(header, built.nodes, 6)[nodes] = own.array(header, count, 6)
     block.array(Header.tension, built.nodes, 2)[nodes] = own.array(Header.tension, count, 2)
     edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
-    for word in OF_A_START:
-        edges[nodes, word] = own.array(Header.edges, count, at.EDGE_WORDS)[:, word]
-
+    _choose_as(edges, nodes, own.array(Header.edges, count, at.EDGE_WORDS))
     scene, scene_of_rest = built.scene, rest.scene
-    lines = {*scene_of_rest.lines, *scene_of_rest.winches}
-    masses = [mass.owner in lines for mass in built.tree.masses]
-    held = [end.line in lines for end in built.tree.held]
-    every = np.ones(len(scene.bodies), dtype=bool)
-    for header, words, mine in (
-        (Header.free_bodies, at.FREE_WORDS, every),
-        (Header.feet, at.FOOT_WORDS, np.ones(int(block.header.foot_count), dtype=bool)),
-        (Header.bodies, at.BODY_WORDS, np.array(masses, dtype=bool)),
-        (Header.constraints, at.CONSTRAINT_WORDS, np.array(held, dtype=bool)),
-        (Header.closures, at.CLOSURE_WORDS, np.ones(int(block.header.closure_count), dtype=bool)),
+    segments = [k for k, part in enumerate(built.tree.segments) if part.line in rest.lines]
+    _leave_as(block, segments, own)
+    owners = {*scene_of_rest.lines, *scene_of_rest.winches}
+    masses = np.array([mass.owner in owners for mass in built.tree.masses], dtype=bool)
+    held = np.array([end.line in owners for end in built.tree.held], dtype=bool)
+    bodies = np.ones(len(scene.bodies), dtype=bool)
+    closures = np.ones(int(block.header.closure_count), dtype=bool)
+    for header, words, mine, of_nodes in (
+        (Header.free_bodies, at.FREE_WORDS, bodies, [at.FreeBody.node]),
+        (Header.bodies, at.BODY_WORDS, masses, [at.Body.node]),
+        (Header.constraints, at.CONSTRAINT_WORDS, held, [at.Constraint.node]),
+        (Header.closures, at.CLOSURE_WORDS, closures, [at.Closure.node, at.Closure.other]),
     ):
         table = block.array(header, len(mine), words)
         table[mine] = own.array(header, int(mine.sum()), words)
-        if header is Header.feet:
-            continue
-        columns = [0, 2] if header is Header.closures else [0]
-        for column in columns:  # nodes
-            known = mine & (table[:, column] >= 0.0)
-            table[known, column] = nodes[table[known, column].astype(np.intp)]
+        for word in of_nodes:
+            known = mine & (table[:, word] >= 0.0)
+            table[known, word] = nodes[table[known, word].astype(np.intp)]
+    feet = int(block.header.foot_count), at.FOOT_WORDS
+    block.array(Header.feet, *feet)[:] = own.array(Header.feet, *feet)
     for number, name in enumerate(scene.winches):
         if name in scene_of_rest.winches:
-            row = built.winch(number)
-            row.rate = rest.winch(list(scene_of_rest.winches).index(name)).rate
+            row = rest.winch(list(scene_of_rest.winches).index(name))
+            built.winch(number).rate = float(row.rate)
     block.scalars.third_mode = max(block.scalars.third_mode, own.scalars.third_mode)
+
+
+def _choose_as(edges: FloatArray, rows: Indices, own: FloatArray) -> None:
+    """Let rows of a table of elements have what other ones (n, EDGE_WORDS) have chosen."""
+    for word in OF_A_START:
+        edges[rows, word] = own[:, word]
+
+
+def _leave_as(block: Block, segments: list[int], own: Block) -> None:
+    """Let cables, rows of a block's table, leave their drums as those of a part do."""
+    table = block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)
+    rows = own.array(Header.cables, len(segments), at.CABLE_WORDS)
+    for word in OF_A_CABLE:
+        table[segments, word] = rows[:, word]
+    edge = at.Cable.edge.word
+    _choose_as(table[:, edge:], np.array(segments, dtype=np.intp), rows[:, edge:])
 
 
 def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
@@ -191,21 +206,12 @@ def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
     tension = own.array(Header.tension, count, 2)[1:] * [1.0, way]
     block.array(Header.tension, built.nodes, 2)[elements] = tension
     edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
-    edges_of_own = own.array(Header.edges, count, at.EDGE_WORDS)
-    for word in OF_A_START:
-        edges[elements, word] = edges_of_own[1:, word]
-    cables = block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)
-    numbers = [k for k, part in enumerate(built.tree.segments) if part.line == lay.line]
-    if outward:
-        numbers.reverse()
-    table = own.array(Header.cables, len(numbers), at.CABLE_WORDS)
+    _choose_as(edges, elements, own.array(Header.edges, count, at.EDGE_WORDS)[1:])
+    segments = [k for k, part in enumerate(built.tree.segments) if part.line == lay.line]
+    _leave_as(block, segments[::-1] if outward else segments, own)
     # Of a line that lies its weight says nothing: what is promised goes by what hangs.
-    cables[numbers, at.Cable.tension] = np.abs(tension[:, 0]).max()
-    for number, row in zip(numbers, table, strict=True):
-        for column in OF_A_CABLE:
-            cables[number, column] = row[column]
-        for word in OF_A_START:
-            cables[number, at.Cable.edge.word + word.word] = row[at.Cable.edge.word + word.word]
+    cables = block.array(Header.cables, int(block.header.cable_count), at.CABLE_WORDS)
+    cables[segments, at.Cable.tension] = np.abs(tension[:, 0]).max()
     bodies = block.array(Header.bodies, len(built.tree.masses), at.BODY_WORDS)
     own_bodies = own.array(Header.bodies, int(own.header.body_count), at.BODY_WORDS)
     out = [k for k, mass in enumerate(built.tree.masses) if mass.owner == lay.line]

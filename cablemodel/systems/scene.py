@@ -433,7 +433,9 @@ class SystemWinch(SceneModel):
     rate: RateTable = Field(
         default=(RatePoint(t=0.0, rate=0.0),),
         description="speed at which it pays out, negative: reels in; one number, or a table over "
-        "time, linear between its rows, that holds its first and last value",
+        "time, linear between its rows, that holds its first and last value; at t = 0 a line over "
+        "a floor that is tied to nothing else starts as a lay, or as it is taken up, with its far "
+        "end free or at an anchor on the floor",
         json_schema_extra=also(Quantity("m/s").json_schema()),
     )
     drum: Annotated[tuple[LineItem, ...], BeforeValidator(_wound)] = Field(
