@@ -384,6 +384,13 @@ class Scene(Document):
         """The bodies that are out at t = 0, from the vessel outwards."""
         return [item.body for item in self.line if item.body is not None]
 
+    def body_names(self, count: int) -> list[str]:
+        """Names of the outermost bodies, those on the drum among them, from the vessel outwards;
+        empty where one has none."""
+        items = (*self.payout.drum, *self.line)
+        names = [item.body.name or "" for item in items if item.body is not None]
+        return names[-count:] if count else []
+
     @property
     def line_length(self) -> float:
         """Total unstretched length of the cables that are out at t = 0 [m]."""

@@ -91,6 +91,9 @@ class InputNames:
         table = _Table(time)
         motion = np.zeros((len(scene.vessels), at.FRAME_INPUTS))
         for number, name, wanted in table.rows("vessels", given.get("vessels"), scene.vessels):
+            if not isinstance(wanted, VesselInput):
+                allowed = "a VesselInput, as VesselInput(velocity=[2, 0, 0])"
+                raise table.wrong(f"vessels[{name!r}]", wanted, allowed)
             row = motion[number]
             for key, bit in _GIVEN:
                 value = getattr(wanted, key)

@@ -236,6 +236,10 @@ class SystemModel:
         self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
         self._errors: dict[str, Errors] | None = None
 
+    def __repr__(self) -> str:
+        title = self.scene.title or "untitled"
+        return f"<SystemModel of {title!r} at t = {self.time:g} s>"
+
     def __copy__(self) -> SystemModel:
         return copy.deepcopy(self)
 
@@ -245,7 +249,17 @@ class SystemModel:
         return float(self.built.block.scalars.time)
 
     def step(self, dt: float, **inputs: Unpack[SystemInputs]) -> None:
-        """Advance by dt [s], of any length. inputs: see `SystemInputs`.
+        """Advance by dt [s], of any length.
+
+        An input is the value reached at the end of the step; what is not given follows the scene.
+
+        Args:
+            vessels: a `VesselInput` by the name of a vessel or driven end.
+            forces: outside force and torque about the origin (6,) [N, N m], earth frame, by the
+                name of a body; one that is not named has none.
+            deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+            rates: of winches, by name, positive out [m/s].
+            cuts: names of those that are made now, at the beginning of the step.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
@@ -628,7 +642,13 @@ def load_system(
     Raises:
         SceneError: naming every problem with its path, its value and what is allowed.
     """
-    return loaded(SystemScene, read_content(source), overrides)
+    content = read_content(source)
+    if "line" in content[2] and "lines" not in content[2]:
+        problem = "a scene of one line, from a vessel outwards, is no system"
+        error = SceneError.at("line", None, problem, "lines by name; load_scene and CableModel")
+        error.source = content[1] or ""
+        raise error
+    return loaded(SystemScene, content, overrides)
 
 
 def read_scene(
