@@ -158,6 +158,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
         "line": [_item(scene, item) for item in scene.line],
         "drum": [_item(scene, item) for item in scene.payout.drum],
         "payout_rate": [min(rates), max(rates)],
+        "payout_rate_at_start": scene.rate_at_start,
         "end": scene.end.kind,
         "vessel": _vessel(scene),
         "initial": scene.initial.kind,
@@ -285,7 +286,6 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_column()
     start = report["start"]
     tip = ", ".join(map(fixed, start["tip_position"]))
-    kind = "static equilibrium" if report["initial"] == "static" else "given shape"
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
     if report["drum"]:
         table.add_row("on the drum", "\n".join(escape(_words(i)) for i in report["drum"]))
@@ -300,7 +300,7 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_row("run", f"{report['duration']:g} s, output every {report['output_interval']:g} s")
     table.add_row("elements", _accuracy(report["elements"], report["solver"]))
     table.add_row("skipped", "\n".join(report["skipped"]) or "nothing")
-    table.add_row("start", kind)
+    table.add_row("start", _start(report))
     table.add_row("  top tension", f"{fixed(start['top_tension'])} N")
     table.add_row(
         "  tension along the cable",
@@ -322,6 +322,17 @@ def _print_warnings(found: list[str]) -> None:
     console = Console(highlight=False)
     for warning in found:
         console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
+
+
+def _start(report: dict[str, Any]) -> str:
+    """What the state at t = 0 is."""
+    speed, rate = report["vessel"]["speed"], report["payout_rate_at_start"]
+    if report["initial"] != "static":
+        return "given shape"
+    if speed == 0.0:
+        return "static equilibrium"
+    paid = f", with a pay-out of {readable(rate)} m/s" if rate else ""
+    return f"steady state at {readable(speed)} m/s{paid}"
 
 
 def _voyage(vessel: dict[str, Any]) -> str:

@@ -310,6 +310,7 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("top tension at the end", f"{fixed(summary['top_tension'])} N"),
         ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
         ("lowest tension of the run", f"{fixed(summary['min_tension'])} N"),
+        ("highest tension of the run", f"{fixed(summary['max_tension'])} N"),
         *_slack_rows(summary, "slack"),
     ]  # fmt: skip
     rows.append(("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"))

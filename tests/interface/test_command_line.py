@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
 BREAKING = "environment.waves={regular: {height: 9, period: 5}}"
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension",
+    "time", "top_tension", "tip_position", "min_tension", "max_tension",
     "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
@@ -370,6 +370,26 @@ def test_check_says_what_a_scene_holds() -> None:
     assert "70.000 N" in words
     assert "the third dimension" in words
     assert "No warnings." in words
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        ("towed_cable", "static equilibrium"),
+        ("depressor_tow", "steady state at 2.058 m/s"),
+        ("cable_lay", "steady state at 1 m/s, with a pay-out of 1 m/s"),
+        ("whip", "given shape"),
+    ],
+)
+def test_check_says_what_the_start_is(scene: str, words: str) -> None:
+    result = invoke("check", ROOT / "scenes" / f"{scene}.yaml")
+    assert re.search(rf"│ start +│ {words} ", result.stdout), result.stdout
+
+
+def test_a_study_of_a_system_names_what_there_is() -> None:
+    result = invoke("convergence", ROOT / "scenes" / "systems" / "bridle_tow.yaml")
+    assert result.exit_code == 2
+    assert "allowed: cablemodel run SCENE --converge, or --error-estimate" in result.stderr
 
 
 def test_check_as_json() -> None:

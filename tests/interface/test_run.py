@@ -20,7 +20,7 @@ from cablemodel.results.simulate import Progress
 from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension",
+    "time", "top_tension", "tip_position", "min_tension", "max_tension",
     "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
@@ -117,6 +117,7 @@ def test_the_summary_has_the_promised_keys(log: Path) -> None:
     assert summary["top_tension"] == run.top_tension[-1]
     assert summary["tip_position"] == run.tip_position[-1].tolist()
     assert summary["min_tension"] == run.tension_min.min()
+    assert summary["max_tension"] == run["tension_max"].max()
     assert summary["max_curvature"] == run.states.curvature.max()
     assert summary["steps"] == 34
     assert summary["factorisations"] == 2

@@ -192,6 +192,8 @@ def extremes(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -> l
             ("bending moment", "N m", along.bending_moment, 1.0),
         ):
             low, high = field.lowest, field.highest
+            if field is along.bending_moment and low.value == high.value == 0.0:
+                continue  # nothing has been stiff: a hybrid bends where it is slack, or lies
             scale = max(abs(low.value), abs(high.value)) / divide
             rows.append(
                 Row(
@@ -215,8 +217,9 @@ def _line_rows(run: Run) -> _Values:
     yield "speed of the far end", "m/s", np.linalg.norm(run["tip_velocity"], axis=-1)
     if "bodies.position" in run.names:
         places = run["bodies.position"]
-        for body in range(places.shape[1]):
-            yield f"body {body + 1} from the vessel, z", "m", places[:, body, 2]
+        names = run.scene.body_names(places.shape[1])
+        for body, name in enumerate(names):
+            yield f"{name or f'body {body + 1} from the vessel'}, z", "m", places[:, body, 2]
     for name, label in (("line_length", "cable out"), ("floor_length", "length on the floor")):
         if name in run.names and np.ptp(run[name]) > 0.0:
             yield label, "m", run[name]
