@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.line import LineItem
+    from cablemodel.systems import SystemScene
 
+_AT_THE_VESSEL = 1e-3
+"""A line that lies as near to its beginning [m] begins on the floor."""
 _INSTANTS = 201
 """At which the speed of the tow point is looked at."""
 
@@ -84,22 +87,49 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     with explained_start(quiet=as_json), _start_warnings() as caught:
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
+    around = list(_surroundings(scene))
     looks_wrong = [*system_warnings(scene), *system_start_warnings(model)]
     looks_wrong += [str(warning.message) for warning in caught]
     if as_json:
         found = {
             "title": scene.title,
             "topology": parts,
+            "surroundings": around,
+            "duration": scene.run.duration,
+            "output_interval": scene.run.output_interval,
             "start": start,
             "elements": model.statistics["elements"],
             "warnings": looks_wrong,
         }
         typer.echo(json.dumps(found))
         return
-    for line in [scene.title, *parts, "At the start:", *start]:
+    elements = _accuracy(int(model.statistics["elements"]), scene.solver.as_written())
+    run = f"run: {scene.run.duration:g} s, output every {scene.run.output_interval:g} s"
+    for line in [scene.title, *parts, *around, run, f"elements: {elements}"]:
         if line:
             typer.echo(line)
+    for line in ["At the start:", *start]:
+        typer.echo(line)
     _print_warnings(looks_wrong)
+    if not looks_wrong:
+        typer.echo("No warnings.")
+
+
+def _surroundings(scene: SystemScene) -> Iterator[str]:
+    """Waves, and what of the rest there is none of: a line of text for each."""
+    waves = _waves(scene)
+    if waves is not None:
+        yield f"waves: {waves}"
+    around = scene.environment
+    missing = [
+        word
+        for word, given in (
+            ("current", around.current), ("waves", around.waves), ("sea floor", around.floor),
+        )
+        if given is None
+    ]  # fmt: skip
+    if missing:
+        yield f"none in the scene: {', '.join(missing)}"
 
 
 @reported
@@ -180,7 +210,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
     }
 
 
-def _waves(scene: Scene) -> str | None:
+def _waves(scene: Scene | SystemScene) -> str | None:
     """The sea in words."""
     from cablemodel.scene.sea import sea
 
@@ -308,7 +338,7 @@ def _print_report(report: dict[str, Any]) -> None:
     )
     table.add_row("  far end (x, y, z)", f"({tip}) m")
     if "floor_length" in start:
-        table.add_row("  sea floor", _rest(start))
+        table.add_row("  sea floor", _rest(start, report["vessel"]["position"]))
     console.print(table)
     _print_warnings(report["warnings"])
     if not report["warnings"]:
@@ -347,11 +377,13 @@ def _voyage(vessel: dict[str, Any]) -> str:
     return f"({begin}) m, {speeds}; at the end ({end}) m"
 
 
-def _rest(start: dict[str, Any]) -> str:
+def _rest(start: dict[str, Any], vessel: list[float]) -> str:
     if start["touchdown_position"] is None:
         return f"nothing touches it, nearest {readable(start['floor_clearance'])} m above it"
-    place = ", ".join(map(fixed, start["touchdown_position"]))
-    return f"{readable(start['floor_length'])} m on it, touchdown at ({place}) m"
+    lies = f"{readable(start['floor_length'])} m on it"
+    if math.dist(start["touchdown_position"], vessel) < _AT_THE_VESSEL:
+        return f"{lies}, from the tow point on"
+    return f"{lies}, touchdown at ({', '.join(map(fixed, start['touchdown_position']))}) m"
 
 
 def _accuracy(elements: int, solver: dict[str, Any]) -> str:

@@ -145,10 +145,12 @@ def _type_warnings(scene: CableScene, items: Iterable[LineItem], where: str) -> 
             continue
         density = kind.mass / (0.25 * math.pi * kind.diameter**2)
         if not _LIGHTEST < density < _HEAVIEST:
+            flexible = density > _HEAVIEST and kind.bending_stiffness == 0.0
+            chain = " Of chain it is that of its volume, 1.8 times the bar's." if flexible else ""
             found.append(
                 f"cable type {name} has a density of {density:.3g} kg/m3 (water: "
                 f"{scene.environment.water_density:g}): are its diameter ({kind.diameter:g} m) and "
-                f"its mass ({kind.mass:g} kg/m) right?"
+                f"its mass ({kind.mass:g} kg/m) right?{chain}"
             )
         if kind.diameter > _THICKEST:
             found.append(

@@ -180,11 +180,11 @@ class Run:
         ``min_tension``, ``max_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable
         and all output times; ``slack_time``, ``slack_longest`` [s], ``slack_start`` and
         ``slack_end`` [m] say for how long and where some of it was slack; ``wall_time`` [s],
-        ``steps``, ``rejected``, ``factorisations``, ``elements`` are of the solver. With ``solver.error_estimate`` also the
-        ``tolerance``, the ``accuracy`` that is asked for, ``position_error`` [m],
-        ``tension_error`` [N], the largest at any output while they are promised, and
-        ``error_share`` of what is allowed, the larger one's. None where a value is not known or not
-        finite.
+        ``steps``, ``rejected``, ``factorisations``, ``elements`` are of the solver. With
+        ``solver.error_estimate`` also the ``tolerance``, the ``accuracy`` that is asked for,
+        ``position_error`` [m], ``tension_error`` [N], the largest at any output while they are
+        promised, and ``error_share`` of what is allowed, the larger one's. None where a value is
+        not known or not finite.
         """
         if len(self.time):
             found: dict[str, Any] = {

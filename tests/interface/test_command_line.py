@@ -875,4 +875,4 @@ def test_checks_see_lines_of_a_system_that_are_too_short_or_in_the_air(tmp_path:
     scene["vessels"]["ship"]["points"]["eye"] = [0, 0, 0]
     path.write_text(json.dumps(scene))
     words = invoke("check", path).output
-    assert "warning" not in words
+    assert "warning:" not in words

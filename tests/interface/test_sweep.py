@@ -48,6 +48,8 @@ def command(*arguments: str | Path) -> Result:
         ("a=hybrid,cable", Axis("a", ("hybrid", "cable"))),
         ("a=[0, 1],[2, 3]", Axis("a", ([0, 1], [2, 3]))),
         ("a=2 kn, 1 m", Axis("a", ("2 kn", "1 m"))),
+        ("a=1e-4 m,2e-4 m", Axis("a", (1e-4, 2e-4), "m")),
+        ("a=2 s-1, 1", Axis("a", ("2 s-1", 1))),
     ],
 )
 def test_values_are_a_range_or_a_list(text: str, axis: Axis) -> None:
@@ -63,7 +65,9 @@ def test_values_are_a_range_or_a_list(text: str, axis: Axis) -> None:
         ("a=0:1:0.1", "0.1 is no number of values"),
         ("a=0:1:1", "a count from 2"),
         ("a=1 m:20 cm:3", "have not the same unit"),
-        ("a=[1,", "expected"),
+        ("a=[1,", "is not closed"),
+        ("a=200-400", "a: '200-400' says not how many; allowed: path=start:stop:count or path="),
+        ("a=10 mm:30 mm", "says not how many"),
     ],
 )
 def test_what_is_neither_is_said(text: str, words: str) -> None:
