@@ -30,7 +30,7 @@ from cablemodel.solvers.protocol import Errors, images_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Winch
 from cablemodel.systems.build import build
-from cablemodel.systems.inputs import InputNames, SystemInputs
+from cablemodel.systems.inputs import InputNames, SystemInputs, names_of
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import warn_if_unstable
 
@@ -137,7 +137,8 @@ class LineView:
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
-            raise ValueError(f"{self.name}: stations are 0 to {length:g} m")
+            wrong = s[~((s >= 0.0) & (s <= length * (1.0 + 1e-12)))][0]
+            raise ValueError(f"s = {wrong:g} m is not on {self.name}; allowed: 0 to {length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
             gaps = np.abs(elements.start[:, None] - before - self._joints)
@@ -280,7 +281,7 @@ class SystemModel:
         from cablemodel.solvers import library as entry
 
         if "cuts" in inputs:
-            inputs["cuts"] = list(inputs["cuts"] or ())  # whatever it is, it is asked for twice
+            inputs["cuts"] = names_of(inputs["cuts"])  # whatever it is, it is asked for twice
         block, beside = self.built.block, self._beside
         drive = self._inputs.drive(inputs, self._angles, self.time)
         before = None  # a step that fails gives the state back, but not what drives it

@@ -72,6 +72,7 @@ def test_a_scene_of_one_line_is_no_system() -> None:
         ({"ship": [1.0, 0.0, 0.0]}, "a VesselInput, as VesselInput(velocity=[2, 0, 0])"),
         ({"boat": cm.VesselInput(velocity=[1, 0, 0])}, "give one of ship, vehicle"),
         ({"ship": cm.VesselInput(velocity=[1, 0])}, "give 3 finite numbers"),
+        ([cm.VesselInput()], "give a mapping by the names of ship, vehicle"),
     ],
 )
 def test_a_wrong_motion_of_a_vessel_is_told(vessels: Any, words: str) -> None:
@@ -81,3 +82,29 @@ def test_a_wrong_motion_of_a_vessel_is_told(vessels: Any, words: str) -> None:
         model.step(0.1, vessels=vessels)
     assert words in str(caught.value)
     assert model.time == 0.0
+
+
+def test_one_cut_may_stand_alone_also_where_it_is_recorded() -> None:
+    model = cm.SystemModel(SCENE)
+    with cm.SystemRecorder(model) as recorder:
+        recorder.step(0.1, cuts="weak_link")
+    assert model.cuts == {"weak_link": 0.0}
+    assert recorder.run().applied_inputs["weak_link.cut"].tolist() == [1.0]
+    model.reset()
+    model.step(0.1, cuts="weak_link")
+    assert model.cuts == {"weak_link": 0.0}
+
+
+def test_a_place_beyond_a_line_is_told() -> None:
+    model = cm.SystemModel(SCENE)
+    with pytest.raises(ValueError, match="s = 50 m is not on umbilical; allowed: 0 to 40 m"):
+        model.lines["umbilical"].sample([0.0, 50.0])
+
+
+def test_recorders_name_each_other() -> None:
+    with pytest.raises(TypeError, match=r"<SystemModel of .* is recorded by a SystemRecorder"):
+        cm.Recorder(cm.SystemModel(SCENE))  # type: ignore[arg-type]
+    types = {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}}
+    line = cm.CableModel({"cable_types": types, "line": [{"cable": {"type": "wire", "length": 9}}]})
+    with pytest.raises(TypeError, match=r"<CableModel of 'untitled' .* is recorded by a Recorder"):
+        cm.SystemRecorder(line)
