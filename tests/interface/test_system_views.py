@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -119,6 +120,20 @@ def test_a_figure_shows_every_line_body_and_vessel(run: SystemRun) -> None:
     assert np.array_equal(last.get_xydata(), np.column_stack([state.s, state.tension]))
     key = [text.get_text() for text in figure.legends[0].get_texts()]
     assert key[-3:-1] == ["body", "point of a vessel"]
+
+
+@pytest.mark.parametrize(
+    ("corner", "size"),
+    [((500.0, 0.0, 300.0), 500.0), ((80.0, 0.0, 500.0), 80.0), ((0.0, 0.0, 500.0), 500.0)],
+)
+def test_axes_of_bodies_fit_a_picture_that_is_not_to_scale(
+    run: SystemRun, corner: tuple[float, ...], size: float
+) -> None:
+    from cablemodel.views.plot import View
+
+    view = View.of(run)
+    shape = np.array([[(0.0, 0.0, 0.0), corner]])
+    assert replace(view, shape=shape, along=np.array([1.0, 0.0]))._size() == size
 
 
 def test_the_commands_draw_and_film_a_system(log: Path, tmp_path: Path) -> None:
