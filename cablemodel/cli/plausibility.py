@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
-    from cablemodel.scene.vessel import RatePoint
+    from cablemodel.scene.vessel import RatePoint, Vessel
     from cablemodel.systems import SystemModel, SystemScene
 
 KNOT = 1852.0 / 3600.0
@@ -43,6 +43,10 @@ _FASTEST_WINCH = 10.0
 """Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
 _THICKEST = 0.4
 """Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
+_HEAVE = 2
+"""Turns from up to down and back that make a motion one of heave."""
+_NO_FORCE = 1e-6
+"""Forces [N] that rounding makes of none."""
 _EMPTY = 1e-6
 """Part of a pay-out that the drum may lack: rounding."""
 
@@ -60,6 +64,7 @@ def scene_warnings(scene: Scene) -> list[str]:
         )
     found += _angles_without_unit(scene)
     found += _fast_vessel("the tow point", scene.motion().typical_velocities())
+    found += _heave_that_ends("vessel", scene.vessel, scene.run.duration)
     found += _fast_water(scene)
     found += _fast_winch("payout.rate", scene.payout.rate)
     density = scene.environment.water_density
@@ -95,6 +100,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
     for name, vessel in scene.vessels.items():
         found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_velocities())
+        found += _heave_that_ends(f"vessels.{name}", vessel, scene.run.duration)
         found += _waves_beyond_responses(scene, name)
     found += _fast_water(scene)
     for name, winch in scene.winches.items():
@@ -188,6 +194,23 @@ def _fast_vessel(what: str, velocities: NDArray[np.float64]) -> list[str]:
     return [
         f"{what} moves at up to {speed:.3g} m/s ({speed / KNOT:.3g} knots): is the "
         "vessel's velocity right? kn need their unit"
+    ]
+
+
+def _heave_that_ends(name: str, vessel: Vessel, duration: float) -> list[str]:
+    """Of a tow point that goes up and down by a table that ends before the run does."""
+    if vessel.velocity is None:
+        return []
+    times = vessel.velocity.column("t")
+    upwards = vessel.velocity.column("velocity")[:, 2]
+    turns = np.count_nonzero(np.diff(np.sign(upwards[upwards != 0.0])))
+    if turns < _HEAVE or times[-1] >= duration:
+        return []
+    last = upwards[-1]
+    goes_on = f"at {last:.3g} m/s, its last speed upwards" if last else "without heave"
+    return [
+        f"{name}.velocity ends at {times[-1]:g} s, run.duration is {duration:g} s: from then on it "
+        f"goes on {goes_on}"
     ]
 
 
@@ -340,7 +363,7 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
         found += _stretched_at_start(scene, name, model.tension_max)
     found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
-    if model.tension_min < -slack:
+    if model.tension_min < -max(slack, _NO_FORCE):
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
 

@@ -427,7 +427,18 @@ def test_check_names_what_is_not_skipped() -> None:
             "no effect",
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
+        (
+            [
+                "vessel.velocity=[{t: 0, velocity: [0, 0, 0.1]}, {t: 2, velocity: [0, 0, -0.1]}, "
+                "{t: 4, velocity: [0, 0, 0.1]}]"
+            ],
+            "velocity ends at 4 s, run.duration is 200 s: from then on it goes on at 0.1 m/s",
+        ),
         (["cable_types.K.mass=100 t/km"], "density of"),
+        (
+            ["cable_types.K.mass=100 t/km", "cable_types.K.bending_stiffness=0"],
+            "Of chain it is that of its volume, 1.8 times the bar's.",
+        ),
         (["environment.water_density=1.025"], "t/m3 need their unit: 1.025 t/m3"),
         (["environment.water_density=0.998"], "t/m3 need their unit: 0.998 t/m3"),
         (["cable_types.K.submerged_weight=5"], "cable type K is heavier in water (5 N/m) than in"),
