@@ -26,6 +26,10 @@ _AIR = 100.0
 """Densities [kg/m3] below this are air; nothing is surprising about it above z = 0."""
 _LIGHTEST, _HEAVIEST = 100.0, 12_000.0
 """Densities [kg/m3] of cables: foam and lead."""
+_ROUGHEST = 0.5
+"""Tangential drag coefficient of the roughest lines, on the circumference: chain has up to 0.4."""
+_AS_KILOGRAMS = 0.05
+"""Part by which a weight may differ from a mass that stands in its place."""
 _TONNES = (0.95, 1.1)
 """Densities of water in t/m3; air has 1.2 kg/m3."""
 _LARGE_STRAIN = 0.02
@@ -65,6 +69,8 @@ def scene_warnings(scene: Scene) -> list[str]:
     found += _angles_without_unit(scene)
     found += _fast_vessel("the tow point", scene.motion().typical_velocities())
     found += _heave_that_ends("vessel", scene.vessel, scene.run.duration)
+    if scene.vessel.path is not None and scene.vessel.interpolation != "linear":
+        found.append("vessel.interpolation is between rows of velocity: a path is as it is")
     found += _fast_water(scene)
     found += _fast_winch("payout.rate", scene.payout.rate)
     density = scene.environment.water_density
@@ -167,6 +173,19 @@ def _type_warnings(scene: CableScene, items: Iterable[LineItem], where: str) -> 
         if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
         found += _heavier_in_water(scene, f"cable type {name}", weight, kind.mass, "/m")
+        if kind.drag_tangential > _ROUGHEST:
+            found.append(
+                f"cable type {name} has a drag_tangential of {kind.drag_tangential:g}, on the "
+                "circumference: a coefficient on the diameter is to be divided by pi"
+            )
+        area = 0.25 * math.pi * kind.diameter**2
+        wet = kind.mass - scene.environment.water_density * area
+        if weight != 0.0 and abs(weight - wet) < _AS_KILOGRAMS * abs(wet):
+            found.append(
+                f"cable type {name} has a submerged_weight of {weight:g} N/m: its mass less the "
+                f"water's is {wet:.4g} kg/m, or {wet * scene.environment.gravity:.4g} N/m; kgf/m "
+                "need their unit"
+            )
     return found
 
 
@@ -183,6 +202,12 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
                     f"{what} has a drag_area, but no drag along its axis: drag_area_axial is "
                     "not given"
                 )
+            for way in ("", "_axial"):
+                area, given = f"drag_area{way}", f"drag_coefficient{way}"
+                if given in body.model_fields_set and getattr(body, area) == 0.0:
+                    found.append(f"{what} has a {given}, but no {area}: it has no effect")
+            if body.centre_offset != 0.0 and body.half_length == 0.0:
+                found.append(f"{what} has a centre_offset, but no half_length: it has no effect")
     return found
 
 
@@ -218,11 +243,19 @@ def _fast_water(scene: CableScene) -> list[str]:
     """A current that flows as none does."""
     current = scene.environment.current
     flow = 0.0 if current is None else float(np.linalg.norm(current.velocity, axis=-1).max())
+    found = []
+    if current is not None and len(current.z) > 1 and current.z[0] >= 0.0 < current.z[-1]:
+        found.append(
+            f"environment.current.table is all at or above the still water, up to z = "
+            f"{current.z[-1]:g} m: z is up, and a depth of {current.z[-1]:g} m has z = "
+            f"{-current.z[-1]:g}"
+        )
     if flow <= _FASTEST:
-        return []
+        return found
     return [
+        *found,
         f"environment.current reaches {flow:.3g} m/s ({flow / KNOT:.3g} knots): is it "
-        "right? kn need their unit"
+        "right? kn need their unit",
     ]
 
 

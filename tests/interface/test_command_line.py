@@ -416,6 +416,9 @@ def test_check_names_what_is_not_skipped() -> None:
     assert not any(item.startswith(("current", "the third")) for item in report["skipped"])
 
 
+ROPE = "{cable: {type: K, length: 30}}"
+
+
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
@@ -427,6 +430,29 @@ def test_check_names_what_is_not_skipped() -> None:
             "no effect",
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
+        (
+            [f"line=[{ROPE}, {{body: {{mass: 9, submerged_weight: 40, drag_coefficient: 1}}}}]"],
+            "a body has a drag_coefficient, but no drag_area: it has no effect",
+        ),
+        (
+            [f"line=[{ROPE}, {{body: {{mass: 9, submerged_weight: 40, centre_offset: 0.5}}}}]"],
+            "a body has a centre_offset, but no half_length: it has no effect",
+        ),
+        (
+            [
+                "vessel={path: [{straight: {duration: 9, speed: 0}}], interpolation: cubic}",
+            ],
+            "vessel.interpolation is between rows of velocity: a path is as it is",
+        ),
+        (
+            [
+                "environment.current={table: [{z: 0, velocity: [1, 0, 0]}, "
+                "{z: 50, velocity: [0, 0, 0]}]}"
+            ],
+            "up to z = 50 m: z is up, and a depth of 50 m has z = -50",
+        ),
+        (["cable_types.K.drag_tangential=1.2"], "a coefficient on the diameter is to be divided"),
+        (["cable_types.K.submerged_weight=0.238"], "or 2.333 N/m; kgf/m need their unit"),
         (
             [
                 "vessel.velocity=[{t: 0, velocity: [0, 0, 0.1]}, {t: 2, velocity: [0, 0, -0.1]}, "
