@@ -1,6 +1,7 @@
 """Sweeps: every combination is run, failures are rows, what has ended survives an interruption."""
 
 import math
+import re
 import subprocess
 import sys
 import time
@@ -106,6 +107,9 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path: Path) -> None:
     assert table[f"{DIAMETER} [mm]"].tolist() == [10.0, 10.0, 20.0, 20.0, 30.0, 30.0]
     assert table["error"].tolist() == [""] * 6
     assert "6 runs, 0 failed" in result.stdout
+    words = " ".join(result.stdout.split())
+    assert f"{DIAMETER} [mm] line.0.cable.model" in words
+    assert re.search(r" 20 +cable +[\d.,]+ ", result.stdout), result.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
