@@ -216,7 +216,8 @@ class Scene(Document):
     line: tuple[LineItem, ...] = Field(description="cables and bodies from the vessel outwards")
     end: End = Field(default=End.model_validate("free"), description="the far end of the line")
     initial: Initial = Field(
-        default=Initial.model_validate("static"), description="the cable at t = 0"
+        default=Initial.model_validate("static"),
+        description="the cable at t = 0; static: at rest, or in steady tow",
     )
     vessel: Vessel = Field(default=Vessel(), description="the motion of the tow point")
     payout: Payout = Field(default=Payout(), description="the winch")

@@ -733,6 +733,7 @@ class SystemScene(Document):
     ) -> Iterator[SceneProblem]:
         if end.point is not None:
             owner, point = end.owner, end.of_owner
+            used.add(owner)  # also where the point is not: that is told once
             places = self.vessels.get(owner) or self.bodies.get(owner)
             if places is None or point not in places.points:
                 points = [
@@ -744,7 +745,6 @@ class SystemScene(Document):
                 problem = f"{shown(end.point)} is no point of a vessel or body"
                 yield SceneProblem(path, end.point, problem, ", ".join(points) or "a point")
                 return
-            used.add(owner)
         if end.line is not None:
             other = self.lines.get(end.line)
             if other is None or end.line == name:

@@ -46,6 +46,15 @@ def test_refused(override: str, path: str, words: str) -> None:
     assert words in found[path]
 
 
+@pytest.mark.parametrize("end", ["cage", "cage.bottom"])
+def test_a_point_that_is_none_is_told_once(end: str) -> None:
+    data = apply_overrides(SCENE, [f"lines.umbilical.to={end}", "lines.tether.from=free"])
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(data)
+    (problem,) = caught.value.problems
+    assert str(problem).startswith(f"lines.umbilical.to: '{end}' is no point of a vessel or body")
+
+
 def test_an_end_that_is_missing_is_told_in_the_words_of_the_file() -> None:
     data = copy.deepcopy(SCENE)
     del data["lines"]["tether"]["from"]
