@@ -63,7 +63,7 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
         return [_unknown_key(root, location, value)]
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         keys = _keys_at(root, location)
-        allowed = f"a mapping with the keys {', '.join(keys)}" if keys else "a mapping"
+        allowed = f"a mapping with the keys {', '.join(keys)}" if keys else _by_name(root, location)
         return [SceneProblem(path, value, f"{shown(value)} is not a mapping", allowed)]
     if kind in ("tuple_type", "list_type"):
         keys = _keys_at(root, (*location, 0))
@@ -86,6 +86,16 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
     if kind == "too_short":
         return [SceneProblem(path, value, "is empty", "at least one")]
     return [SceneProblem(path, value, f"{shown(value)}: {finding['msg']}")]
+
+
+def _by_name(root: type[BaseModel], location: Location) -> str:
+    """What a mapping by names may be."""
+    if keys := _keys_at(root, (*location, "NAME")):
+        return f"a mapping {{NAME: {{{', '.join(keys)}}}}}"
+    field = _field_at(root, location)
+    inner = get_args(get_args(field.annotation)[1]) if field is not None else ()
+    numbers = next((kind.allowed for kind in inner if isinstance(kind, _NUMBERS)), "...")
+    return f"a mapping {{NAME: {numbers}}}"
 
 
 def _unknown_key(root: type[BaseModel], location: Location, value: Any) -> SceneProblem:

@@ -27,6 +27,12 @@ from cablemodel.scene import apply_overrides
         ),
         ("floor={z: -50}", "floor", "it belongs in environment; allowed: title"),
         ("vessel={}", "vessel", "did you mean vessels?"),
+        ("lines=[{from: cage.spool}]", "lines", "allowed: a mapping {NAME: {from, to, items}}"),
+        (
+            "bodies.cage.points=[0, 0, 1]",
+            "bodies.cage.points",
+            "not a mapping; allowed: a mapping {NAME: a list of numbers [x, y, z] in m}",
+        ),
         (
             "vessels.ship.connection={clamped: [0, 0, -1]}",
             "vessels.ship.connection",
