@@ -154,13 +154,13 @@ def sweep(
 
 
 def _show(table: pandas.DataFrame, varied: list[str], results: dict[str, str]) -> None:
-    """What is varied in a short table, and those of these results that there are."""
+    """What is varied in a short table, and these results, as far as they are there."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.measure import Measurement
     from rich.table import Table
 
-    shown = [*varied, *(name for name in results if name in table.columns)]
+    shown = [name for name in (*varied, *results) if name in table.columns]
     rows = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for name in shown:
         title = "\n".join(wrap(results[name], _WORDS)) if name in results else name
