@@ -194,6 +194,30 @@ def test_the_report_holds_all_lines(log: Path, run: SystemRun) -> None:
     assert inputs["tug y"]["mode"] == "lines"
 
 
+def test_the_report_tells_what_a_winch_pays_out(tmp_path: Path) -> None:
+    wire = {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}
+    log = tmp_path / "lowered.mcap"
+    scene = {
+        "cable_types": {"wire": wire},
+        "vessels": {"ship": {"points": {"crane": [0, 0, 0]}}},
+        "lines": {
+            "fall": {
+                "from": "ship.crane", "to": "free",
+                "items": [
+                    {"cable": {"type": "wire", "length": 20}},
+                    {"body": {"mass": 100, "submerged_weight": 900, "drag_area": 0.1}},
+                ],
+            },
+        },
+        "winches": {"crane": {"line": "fall", "drum": 10, "rate": 0.5}},
+        "run": {"duration": 4},
+    }  # fmt: skip
+    cm.simulate(scene, log=log)
+    invoke("report", log)
+    page = log.with_suffix(".html").read_text(encoding="utf-8")
+    assert "fall: 20 m of wire at the start, 22 m at the end · " in page
+
+
 def test_the_shape_of_the_report_moves_every_part(log: Path, run: SystemRun) -> None:
     shape = plain(data_of(made(log))["shape"])
     held, bodies, _skeletons, names = shape["marks"]

@@ -302,7 +302,9 @@ def _parts_of_system(run: SystemRun) -> Iterator[str]:
     scene = run.scene
     for name, line in scene.lines.items():
         types = _joined([item.cable.type for item in line.items if item.cable is not None])
-        yield f"{name}: {place(line.length)} m of {types}"
+        out = next((winch for winch, own in scene.winches.items() if own.line == name), None)
+        ends = run[f"{out}.line_length"][[0, -1]] if out is not None else [line.length] * 2
+        yield f"{name}: {place(line.length)} m of {types}{_paid_out(*ends)}"
     for kind, word in (("bodies", "body"), ("vessels", "vessel")):
         for name in getattr(scene, kind):
             yield f"{word} {name}"
@@ -313,14 +315,15 @@ def _parts_of_line(run: Run) -> Iterator[str]:
     cables = [item.cable for item in scene.line if item.cable is not None]
     bodies = sum(item.body is not None for item in scene.line)
     length = f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"
-    at_end = place(run["line_length"][-1])
-    if at_end != place(run["line_length"][0]):
-        # Cable was paid out, or reeled in.
-        length += f" at the start, {at_end} m at the end"
-    yield length
+    yield length + _paid_out(*run["line_length"][[0, -1]])
     if bodies:
         yield "one body" if bodies == 1 else f"{bodies} bodies"
     yield f"far end {'anchored' if scene.end.kind == 'anchor' else 'free'}"
+
+
+def _paid_out(start: float, end: float) -> str:
+    """What follows a length [m] where cable is paid out, or reeled in."""
+    return "" if place(start) == place(end) else f" at the start, {place(end)} m at the end"
 
 
 def _joined(names: list[str]) -> str:
