@@ -25,6 +25,13 @@ from cablemodel.scene import apply_overrides
             "lines.tether.cable",
             "it belongs in lines.tether.items.N; allowed: from, to, items",
         ),
+        (
+            "bodies.cage.drag_coefficient=0.8",
+            "bodies.cage.drag_coefficient",
+            "did you mean drag_area (area times coefficient)?",
+        ),
+        ("bodies.cage.CdA=0.8", "bodies.cage.CdA", "did you mean drag_area?"),
+        ("winches.hoist.drum_length=9", "winches.hoist.drum_length", "did you mean drum?"),
         ("floor={z: -50}", "floor", "it belongs in environment; allowed: title"),
         ("vessel={}", "vessel", "did you mean vessels?"),
         ("lines=[{from: cage.spool}]", "lines", "allowed: a mapping {NAME: {from, to, items}}"),
