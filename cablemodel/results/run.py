@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Protocol
@@ -113,6 +113,14 @@ class Run:
                 raise KeyError(f"{name} is no output of this run; it has {known}")
             self._columns[name] = self._source.column(variable)
         return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the outputs."""
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such an output."""
+        return name in self.names
 
     def variable(self, name: str) -> variables.Variable:
         """The row of the table of variables of an output: its unit, its description, ..."""

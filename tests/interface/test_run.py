@@ -211,8 +211,11 @@ def test_bodies_may_come_off_the_drum(
 def test_an_unknown_output_names_those_that_exist(simple_scene: Scene, swinging_cable: Any) -> None:
     run = cm.simulate(simple_scene, model=swinging_cable(simple_scene))
     for name in ("colour", "floor_force", "state.position"):
+        assert name not in run
         with pytest.raises(KeyError, match="top_tension"):
             run[name]
+    assert list(run) == list(run.names)
+    assert "top_tension" in run
 
 
 def test_outputs_at_other_times_than_states(
