@@ -65,15 +65,16 @@ def cable(length: float, model: str = "elastica") -> dict[str, Any]:
 
 
 def sudden_stop() -> tuple[bool, str, float]:
-    """Towing at 3 m/s, the vessel stops within a millisecond: a front, slack, recovery."""
+    """Towing at 3 m/s, the vessel slows down by 1 m/s within a millisecond, and stops a moment
+    later: a front that leaves the line taut, slack, recovery."""
     import cablemodel as cm
 
     line = cable(30.0)
     line["cable"]["elements"] = 64  # a front of a millisecond is 1.5 m long
     model = cm.CableModel(scene([line], vessel={"velocity": velocity_rows((3.0, 0, 0))}))
     before, tangent = model.top_tension, model.sample([0.0]).tangent[0]
-    model.step(1e-3, vessel_velocity=(0.0, 0.0, 0.0))
-    front = -3.0 * abs(tangent[0]) * math.sqrt(1e6 * 0.4613)
+    model.step(1e-3, vessel_velocity=(2.0, 0.0, 0.0))
+    front = -1.0 * abs(tangent[0]) * math.sqrt(1e6 * 0.4613)
     # The velocity falls over the step: what the top feels then is the whole front.
     drop = model.top_tension - before
     for _ in range(240):

@@ -189,10 +189,10 @@ def _leave_as(block: Block, segments: list[int], own: Block) -> None:
 def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
     """The state of a line that starts alone; nodes: where its nodes are in the whole."""
     block, count = built.block, len(nodes)
-    if own.header.limp == at.LAYS_SLACK:
-        own.array(Header.edges, count, at.EDGE_WORDS)[:, at.Edge.flexible] *= at.LAYS_SLACK
+    if own.header.lays_slack:
+        own.array(Header.edges, count, at.EDGE_WORDS)[:, at.Edge.flexible] *= at.LAID_SLACK
         of_cables = own.array(Header.cables, int(own.header.cable_count), at.CABLE_WORDS)
-        of_cables[:, at.Cable.edge.word + at.Edge.flexible.word] *= at.LAYS_SLACK
+        of_cables[:, at.Cable.edge.word + at.Edge.flexible.word] *= at.LAID_SLACK
     outward = bool(nodes[0] <= nodes[-1])
     way = 1.0 if outward else -1.0
     for header in (Header.position, Header.velocity, Header.acceleration, Header.rest):
@@ -221,5 +221,5 @@ def _put_line(built: Built, lay: Lay, own: Block, nodes: Indices) -> None:
         bodies[number, at.Body.support.span] = row[at.Body.support.span]
     number = list(built.scene.winches).index(lay.name)
     built.winch(number).rate = float(own.winch.rate)
-    block.header.limp = max(int(block.header.limp), int(own.header.limp))
+    block.header.lays_slack = max(int(block.header.lays_slack), int(own.header.lays_slack))
     block.scalars.third_mode = max(block.scalars.third_mode, own.scalars.third_mode)

@@ -25,10 +25,10 @@ from cablemodel.scene.base import (
     also,
 )
 from cablemodel.scene.environment import Environment, Floor
-from cablemodel.scene.line import Cable, CableType, LineItem
+from cablemodel.scene.line import Cable, CableType, Connection, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import rows_from_file
-from cablemodel.scene.units import Quantity, Vector, rejection, several
+from cablemodel.scene.units import Quantity, Vector, not_one_of, rejection, several
 from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
 from cablemodel.systems.motion import first_turn
 
@@ -81,6 +81,13 @@ class VesselFrame(Vessel):
     to the track, and its yaw rate changes over ``turn_time``.
     """
 
+    position: Position = Field(
+        default=(0.0, 0.0, 0.0), description="position of its origin at t = 0"
+    )
+    connection: Connection = Field(
+        default=Connection.model_validate("pinned"),
+        description="pinned: a line is clamped where it begins or ends, by clamped there",
+    )
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0),
         description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
@@ -100,6 +107,14 @@ class VesselFrame(Vessel):
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
         json_schema_extra=also({"type": "string"}),
     )
+
+    @field_validator("connection")
+    @classmethod
+    def _pinned(cls, connection: Connection) -> Connection:
+        if connection.clamped is not None:
+            allowed = "pinned; from: {point: VESSEL.POINT, clamped: [x, y, z]} of a line"
+            raise rejection("lines have clamps, not the vessel", allowed)
+        return connection
 
     @model_validator(mode="after")
     def _turns_in_time(self) -> VesselFrame:
@@ -293,7 +308,7 @@ class FreeBody(SceneModel):
     @model_validator(mode="after")
     def _weight_or_hull(self) -> FreeBody:
         if (self.submerged_weight is None) == (self.hull is None):
-            raise rejection("not exactly one of submerged_weight and hull", "one of them")
+            raise not_one_of(self, "submerged_weight", "hull")
         return self
 
     def place(self, point: str) -> tuple[float, float, float]:
@@ -750,6 +765,7 @@ class SystemScene(Document):
     ) -> Iterator[SceneProblem]:
         if end.point is not None:
             owner, point = end.owner, end.of_owner
+            used.add(owner)  # also where the point is not: that is told once
             places = self.vessels.get(owner) or self.bodies.get(owner)
             if places is None or point not in places.points:
                 points = [
@@ -761,7 +777,6 @@ class SystemScene(Document):
                 problem = f"{shown(end.point)} is no point of a vessel or body"
                 yield SceneProblem(path, end.point, problem, ", ".join(points) or "a point")
                 return
-            used.add(owner)
         if end.line is not None:
             other = self.lines.get(end.line)
             if other is None or end.line == name:

@@ -148,16 +148,13 @@ def test_a_change_of_speed_within_a_short_step_makes_its_wave_and_no_more(short,
     assert np.abs(np.array(tensions) - before).max() < 1.83 * wave
 
 
-@pytest.mark.parametrize(
-    ("far", "why"),
-    [(1e3, "small enough|stretched"), (1e4, "small enough|stretched"), (1e6, "more than 6 times")],
-)
-def test_a_jump_that_no_cable_bears_is_refused(far, why):
+@pytest.mark.parametrize("far", [1e3, 1e4, 1e6])
+def test_a_jump_that_no_cable_bears_is_refused(far):
     model = cm.CableModel(scenes.towed())
     model.step(1.0)
     before = model.snapshot()
-    with pytest.raises(cm.StepError, match=why) as error:
+    with pytest.raises(cm.StepError, match=r"small enough|stretched") as error:
         model.step(0.1, vessel_position=(far, 0.0, 0.0))
-    assert error.value.arc_length > 0.0
+    assert 0.0 <= error.value.arc_length <= model.line_length
     assert "inputs" in error.value.advice
     assert model.snapshot() == before

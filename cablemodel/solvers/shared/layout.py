@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 22
+VERSION = 23
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -47,9 +47,8 @@ class Header(Record):
     maximum_steps = integer("that a call may take, or a relaxation of a static start")
     drag = integer("0 in vacuum: no water terms")
     hybrid = integer("1: elements choose between elastica and cable by their tension")
-    limp = integer(
-        "1: some cable has no bending stiffness (limp.py); LAYS_SLACK: of a lay that begins so"
-    )
+    lays_slack = integer("1: a lay that begins with slack, of cable that is limp then (limp.py)")
+    chosen = integer("1: under what pressure elements bend aside has been, since the mesh changed")
     floor_kind = integer("FLOOR_NONE, FLOOR_PLANE or FLOOR_TABLE")
     floor_columns = integer("columns of the floor's table, along x")
     floor_rows = integer("rows of the floor's table, along y")
@@ -296,9 +295,10 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
-    flexible = real("1: cable without bending stiffness; LAYS_SLACK: of a lay in a system")
+    flexible = real("1: cable without bending stiffness; LAID_SLACK: of a lay in a system")
     bears = real("pressure that it bears before it bends aside within the element", "N")
     yields = real("stiffness beyond; 0: it never does", "N")
+    pulled = real("1: something pulls it taut, at both ends or beyond")
     bending_full = real("bending stiffness of the cable", "N m2")
     model = real("MODEL_ELASTICA, MODEL_CABLE or MODEL_HYBRID")
     type = real("of the cable: row of the scene's types")
@@ -310,7 +310,7 @@ class Edge(Record):
 
 
 EDGE_WORDS = Edge.WORDS
-LAYS_SLACK = 2  # `limp`
+LAID_SLACK = 2  # `flexible`
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # What ties a node to its parent (`joint`).
@@ -422,6 +422,7 @@ class Line(Record):
     first = real("arc length where what has been without tension begins, or not a number", "m")
     last = real("where it ends", "m")
     before = real("lowest tension at the start of a step", "N")
+    rate = real("of that tension there", "N/s")
     after = real("at its end", "N")
 
 

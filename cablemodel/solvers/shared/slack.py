@@ -4,8 +4,8 @@ A spell begins as the mean tension of a piece comes to 0. It is over as the lowe
 comes to a threshold: what is folded pulls a little, by its own inertia, and most of all while it
 is pulled straight.
 
-Steps count, and within a step the lowest tension is taken as linear: nothing depends on the times
-at which anybody looks.
+Steps count, and within a step the lowest tension is taken as linear until it is none: nothing
+depends on the times at which anybody looks.
 """
 
 from cablemodel.solvers.shared.access import line_of
@@ -25,7 +25,8 @@ def taut_from(lowest, largest, weight):
 
 @kernel
 def count_step(line, time, dt):
-    """Count a step of dt from `time` on, by the line's lowest tensions before and after it."""
+    """Count a step of dt from `time` on, by the line's lowest tensions before and after it, and by
+    the rate before it: what bends aside falls no further than to nothing."""
     before = line.before
     after = line.after
     begin = 0.0
@@ -34,7 +35,7 @@ def count_step(line, time, dt):
         if before > 0.0 and after > 0.0:
             return
         if before > 0.0:
-            begin = before / (before - after)
+            begin = before / max(before - after, -dt * line.rate)
         line.since = time + begin * dt
         line.slack = 1.0
     if after > line.threshold:

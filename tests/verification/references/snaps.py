@@ -51,8 +51,8 @@ class Hoist:
         """Tension at the tip before anything moves [N]."""
         return self.weight + self.per_metre * self.length
 
-    def scene(self, tolerance: float) -> dict[str, Any]:
-        """What a user writes."""
+    def scene(self, tolerance: float, bending: float = 0.0) -> dict[str, Any]:
+        """What a user writes; bending: stiffness over that of a solid wire, EA d^2 / 16 [-]."""
         rows = [
             {"t": float(t), "velocity": [0.0, 0.0, -float(v)]}
             for t, v in zip(self.time, self.speed, strict=True)
@@ -60,6 +60,7 @@ class Hoist:
         wire = {
             "diameter": self.diameter, "mass": self.mass, "axial_stiffness": self.stiffness,
             "axial_damping": self.damping, "drag_normal": 1.2, "drag_tangential": 0.0,
+            "bending_stiffness": bending * self.stiffness * self.diameter**2 / 16.0,
         }  # fmt: skip
         load = {
             "name": "load", "mass": self.load, "submerged_weight": self.weight,

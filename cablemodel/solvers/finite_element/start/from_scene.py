@@ -61,11 +61,14 @@ from cablemodel.solvers.finite_element.start.refinement import (
     spare_nodes,
 )
 from cablemodel.solvers.finite_element.start.refusals import refuse_unsupported
-from cablemodel.solvers.finite_element.start.scales import start_conditions, tension_scale
+from cablemodel.solvers.finite_element.start.scales import (
+    is_flexible,
+    start_conditions,
+    tension_scale,
+)
 from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.solvers.finite_element.start.strategies import Strategy, described, strategies
 from cablemodel.solvers.finite_element.start.winch import Winch, winch_of
-from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
@@ -113,8 +116,8 @@ def build(
                 if laid_loads.becomes_taut(sought):
                     needed = laid_loads.lay_rate(sought)
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
-                if found.header.limp and laid_loads.lays_slack(sought):
-                    found.header.limp = at.LAYS_SLACK
+                flexible = any(is_flexible(sought, cable) for cable in sought.cables)
+                found.header.lays_slack = int(flexible and laid_loads.lays_slack(sought))
                 if _is_held_under_way(scene):
                     _refuse_what_pushes(found, scene)
                 _unfold(found, scene, planar)

@@ -57,8 +57,6 @@ def note_choices(block: Block, edge: FloatArray) -> None:
     """What elements of this kind, a row of the edge table, choose by their tension as they go."""
     if edge[at.Edge.model] == at.MODEL_HYBRID and edge[at.Edge.bending_full] > 0.0:
         block.header.hybrid = 1
-    if edge[at.Edge.flexible]:
-        block.header.limp = 1
 
 
 def edge_row(

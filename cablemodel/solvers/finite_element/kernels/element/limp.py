@@ -17,6 +17,8 @@ mesh follows what folds. There, and in a bare end, which nothing pulls taut, a l
 under all that its tension may be wrong by, and s is a tenth.
 """
 
+import math
+
 from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     folds,
@@ -37,7 +39,7 @@ from cablemodel.solvers.shared.access import (
     scalars,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, view
-from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAYS_SLACK
+from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAID_SLACK
 
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
@@ -60,7 +62,7 @@ def push_of(M, edge):
 def is_laid_slack(I, edge):
     """Whether an element is flexible cable of a lay that begins with slack, once one does: in a
     system not all lines do."""
-    return edge.flexible != 0.0 and (header(I).parts == 0 or edge.flexible == LAYS_SLACK)
+    return edge.flexible != 0.0 and (header(I).parts == 0 or edge.flexible == LAID_SLACK)
 
 
 @inlined
@@ -150,56 +152,89 @@ def find_hung(I, M):
     return head.stage_velocity
 
 
+@inlined
+def holds_straight(edge):
+    """Pressure under which cable with bending stiffness buckles between the nodes of an element,
+    whose slopes hold it: Euler's 4 pi^2 EI / h^2 [N]. Longer waves are the mesh's own."""
+    if edge.flexible != 0.0:
+        return 0.0
+    return 4.0 * math.pi * math.pi * edge.bending_full / (edge.length * edge.length)
+
+
 @kernel
-def hang_limp(I, M, edge, promised, pulled):
-    """Let an element that hangs free bend aside; promised: what tensions may be wrong by [N];
-    pulled: something will pull it taut."""
+def hang_limp(I, M, edge, promised):
+    """Let an element that hangs free bend aside; promised: what tensions may be wrong by [N]."""
     state = scalars(M)
     edge.bears = BORNE_HANGING * promised
     slower = SLOWER
-    if not pulled or header(I).floor_state != FLOOR_FAR or edge.length < HALVED * edge.nominal:
+    far = header(I).floor_state == FLOOR_FAR
+    if edge.pulled == 0.0 or not far or edge.length < HALVED * edge.nominal:
         edge.bears = promised
         slower = SLOWER_FOLDED
+    edge.bears = max(edge.bears, holds_straight(edge))
     strain = promised / (10.0 * state.tolerance) * edge.compliance
     slower = max(slower, strain / SHORTER)
     edge.yields = slower * slower / edge.compliance
 
 
-@kernel
-def choose_limp(I, M):
-    """Under what pressure elements of the state bend aside, by the largest tension so far.
+@inlined
+def may_fold(I, M):
+    """Whether what hangs bends aside at all."""
+    state = scalars(M)
+    touches = header(I).floor_state == FLOOR_TOUCHED
+    return not touches and state.yields == 0.0 and state.tolerance >= FOLDS_WITHIN
 
-    None where no tension is promised, nor in what nothing damps and nothing pulls taut: bare ends,
-    and trees that are held nowhere. A lay with slack is limp once it is pressed. Legs of moorings
-    and loads that land would snap until no step was small enough: their cable folds by
-    `sea_floor.least_bending`.
+
+@kernel
+def choose_law(I, M, node, promised):
+    """Under what pressure an element bends aside, by the largest tension so far.
+
+    None in what nothing damps and nothing pulls taut: bare ends, and trees that are held nowhere.
+    There, cable with bending stiffness needs damping of its material, too: it would be thrown to
+    and fro between its folds, while what it folds by itself is as smooth as its bending.
+    A lay with slack is limp once it is pressed. Legs of moorings and loads that land would snap
+    until no step was small enough: their cable folds by `sea_floor.least_bending`.
     """
+    state = scalars(M)
+    edge = edge_of(I, M, node)
+    limp = state.yields > 0.0 and is_laid_slack(I, edge)
+    forgets = edge.pulled != 0.0 and (edge.flexible != 0.0 or edge.damping_full > 0.0)
+    t0, t1 = M[header(I).tension + 2 * node], M[header(I).tension + 2 * node + 1]
+    if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
+        return  # a stiffer one would be pressed by what it has been shortened by
+    edge.bears = 0.0
+    edge.yields = 0.0
+    if limp:
+        edge.yields = BORNE * may_be_wrong(I, M, edge)
+    elif may_fold(I, M) and (state.undamped == 0.0 or forgets):
+        hang_limp(I, M, edge, promised)
+
+
+@kernel
+def least_yields(I, M):
+    """The least pressure that shortens a limp element to nothing [N]."""
+    least = math.inf
+    for node in range(1, header(I).nodes):
+        edge = edge_of(I, M, node)
+        if is_laid_slack(I, edge):
+            least = min(least, BORNE * may_be_wrong(I, M, edge))
+    return least
+
+
+@kernel
+def choose_all(I, M, promised):
+    """`choose_law` for all elements, by what pulls them taut now and whether a lay is slack."""
     head = header(I)
     state = scalars(M)
-    largest = state.largest_tension
-    if largest > 1e300:
-        return
-    limp = head.limp == LAYS_SLACK and state.time > 0.0 and has_slack(I, M)
     state.yields = 0.0
-    promised = promised_tension(M)
-    hangs = head.floor_state != FLOOR_TOUCHED and state.tolerance >= FOLDS_WITHIN
-    undamped = state.undamped != 0.0
-    hung = find_hung(I, M) if hangs and not (limp and head.parts == 0) else 0
+    if head.lays_slack != 0 and state.time > 0.0:
+        if has_slack(I, M):
+            state.yields = least_yields(I, M)
+    hung = find_hung(I, M) if may_fold(I, M) else 0
     for node in range(1, head.nodes):
-        edge = edge_of(I, M, node)
-        if edge.flexible == 0.0:
-            continue
-        t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
-        laid = limp and is_laid_slack(I, edge)
-        if not laid and edge.bears > 0.0 and folds(M, edge, t0, t1):
-            continue  # a stiffer one would be pressed by what it has been shortened by
-        edge.bears = 0.0
-        edge.yields = 0.0
-        if laid:
-            edge.yields = BORNE * may_be_wrong(I, M, edge)
-            state.yields = edge.yields if state.yields == 0.0 else min(state.yields, edge.yields)
-        elif hangs and (M[hung + node] != 0.0 or not undamped):
-            hang_limp(I, M, edge, promised, M[hung + node] != 0.0)
+        if I[head.joint + node] == 0:
+            edge_of(I, M, node).pulled = M[hung + node] if hung > 0 else 0.0
+            choose_law(I, M, node, promised)
 
 
 @kernel
@@ -212,34 +247,55 @@ def forget_limp(I, M):
 
 
 @kernel
+def damp_slack(I, M, node, promised):
+    """Choose the damping that an element which may be slack has in the next step."""
+    edge = edge_of(I, M, node)
+    t0 = M[header(I).tension + 2 * node]
+    edge.damping = edge.damping_full
+    if is_limp(edge) and t0 < abs(M[header(I).tension + 2 * node + 1]):
+        mean, slope = strain_rate(I, M, node)
+        slowest = SLOWEST_FOLD / scalars(M).period
+        edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
+    elif edge.damping_full != 0.0 and (edge.flexible != 0.0 or edge.yields != 0.0):
+        tension = max(0.0, t0 + holds_straight(edge))
+        edge.damping = edge.damping_full * min(1.0, tension / promised)
+        mean, _slope = strain_rate(I, M, node)
+        if edge.damping * mean < -tension:
+            edge.damping = -tension / mean
+
+
+@kernel
 def follow_limp(I, M):
     """What bends aside in the next step, and what damping elements have in it, from the state.
 
-    Flexible cable has so much of its material's that T + D is not below zero where T vanishes; as
-    it is pulled taut D comes with T, within what tensions may be wrong by.
+    Cable has so much of its material's that T + D is not below what its bending bears where T
+    vanishes; as it is pulled taut D comes with T, within what tensions may be wrong by. What is
+    taut stays as it was chosen: of a line below one point, until its mesh changes.
     """
     head = header(I)
-    choose_limp(I, M)
-    if head.payout != 0:
-        count = 2 * head.dimension * head.nodes
-        q = view(M, head.position, count)
-        v = view(M, head.velocity, count)
-        material_top(I, M, q, v, view(M, head.acceleration, count))
+    promises = scalars(M).largest_tension <= 1e300
     promised = promised_tension(M)
-    slowest = SLOWEST_FOLD / scalars(M).period
+    anew = head.parts != 0 or head.lays_slack != 0 or head.chosen == 0
+    if promises and anew:
+        choose_all(I, M, promised)
+    head.chosen = 1
+    folds_now = may_fold(I, M)
+    material = head.payout == 0
     for node in range(1, head.nodes):
-        edge = edge_of(I, M, node)
         if I[head.joint + node] != 0:
             continue
-        t0 = M[head.tension + 2 * node]
-        if is_limp(edge) and t0 < abs(M[head.tension + 2 * node + 1]):
-            mean, slope = strain_rate(I, M, node)
-            edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
-        elif edge.damping_full == 0.0 or edge.flexible == 0.0:
+        edge = edge_of(I, M, node)
+        t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
+        stays = t0 - abs(t1) > promised or (edge.yields == 0.0 and not folds_now)
+        if stays and (edge.damping_full == 0.0 or edge.flexible == 0.0):
             edge.damping = edge.damping_full
-        else:
-            tension = max(0.0, t0)
-            edge.damping = edge.damping_full * min(1.0, tension / promised)
-            mean, _slope = strain_rate(I, M, node)
-            if edge.damping * mean < -tension:
-                edge.damping = -tension / mean
+            continue
+        if not material:
+            count = 2 * head.dimension * head.nodes
+            q = view(M, head.position, count)
+            v = view(M, head.velocity, count)
+            material_top(I, M, q, v, view(M, head.acceleration, count))
+            material = True
+        if promises and not anew:
+            choose_law(I, M, node, promised)
+        damp_slack(I, M, node, promised)

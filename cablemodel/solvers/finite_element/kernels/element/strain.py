@@ -25,7 +25,7 @@ def promised_tension(M):
 @inlined
 def may_be_slack(edge, t0, t1):
     """Whether some of an element under the tension t0 + t1 P1 may be pressed aside."""
-    return t0 < abs(t1) and edge.yields != 0.0
+    return t0 + edge.bears < abs(t1) and edge.yields != 0.0
 
 
 @inlined

@@ -435,7 +435,6 @@ def recover_tension(I, M, constraint, x, tension, iterates):
     joints = view(I, head.joint, nodes)
     work = view(M, head.stretch, 2 * nodes)
     stretch_rate(I, M, x, work)
-    gives_way = iterates and head.limp != 0
     head.bent_aside = 0
     largest = 0.0
     for node in range(1, nodes):
@@ -446,7 +445,7 @@ def recover_tension(I, M, constraint, x, tension, iterates):
         r1 = constraint[2 * node + 1] + work[2 * node + 1]
         d0 = s[0] * r0 + s[1] * r1
         d1 = s[1] * r0 + s[2] * r1
-        if gives_way and joints[node] == 0:
+        if iterates and joints[node] == 0:
             t0 = tension[2 * node]
             t1 = tension[2 * node + 1]
             edge = edge_of(I, M, node)

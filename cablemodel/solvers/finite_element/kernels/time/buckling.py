@@ -15,6 +15,7 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import (
+    folds,
     promised_tension,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
@@ -45,6 +46,9 @@ def is_pressed(I, M, node, q, tension, least):
     """
     head = header(I)
     if I[head.joint + node] != 0 or tension[2 * node] >= -least:
+        return False
+    edge = edge_of(I, M, node)
+    if edge.bears > 0.0 and folds(M, edge, tension[2 * node], tension[2 * node + 1]):
         return False
     if head.floor_state == FLOOR_FAR:
         return True

@@ -164,8 +164,9 @@ def look_along(I, M, position, tension, after):
                 extend(I, M, line, node, tension)
             if after:
                 line.after = min(lowest, mean)
-            else:
-                line.before = min(lowest, mean)
+            elif mean < lowest:
+                line.before = mean
+                line.rate = M[head.tension_rate + 2 * node]
 
 
 @kernel

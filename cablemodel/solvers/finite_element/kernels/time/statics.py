@@ -69,8 +69,7 @@ def find_equilibrium(I, M, frame):
     if head.floor_kind != FLOOR_NONE:
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
     few = head.maximum_steps < LARGEST_STEPS and flow_of(I, M) != 0.0
-    if head.limp != 0:
-        forget_limp(I, M)  # what a search passes through is not what bends aside
+    forget_limp(I, M)  # what a search passes through is not what bends aside
     for attempt in range(1 if few else 4):
         if attempt > 0:
             copy_words(I, head.position, head.stage_velocity, count)

@@ -606,7 +606,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             scatter = max(scatter, stage_scatter(I, M, node, scheme))
     if scatter <= TENSION_UNSEEN:
         return scatter, PASSES_OVER
-    if head.parts == 0 and head.limp != 0:
+    if head.parts == 0:
         if gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes)):
             return 0.0, FOLLOWS
     if head.parts == 0 and dies_away(M):

@@ -171,6 +171,7 @@ def change_mesh(I, M, rests):
     take_rates_from_velocity(I, M)
     state.joined = 0.0
     state.modes_known = 0.0
+    head.chosen = 0
     if rests:
         wake_as_many(I, M)
     if head.payout != 0:
@@ -328,8 +329,7 @@ def make_ready(I, M, plan):
     head = header(I)
     state = scalars(M)
     dt = plan.dt
-    if head.limp != 0:
-        follow_limp(I, M)
+    follow_limp(I, M)
     if dt < 0.2 * state.last_step:
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
         if state.time != plan.jolted:
