@@ -626,7 +626,8 @@ class CableModel:
         done = self._solver.sample(stations, out)
         if done != len(stations):
             raise ValueError(
-                f"s = {stations[done]} m is not on the line; allowed: 0 to {self.line_length} m"
+                f"s = {stations[done]:g} m is not on the line; allowed: 0 to "
+                f"{self.line_length:.12g} m"
             )
 
     @cached_property

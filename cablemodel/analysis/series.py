@@ -294,7 +294,13 @@ def statistics(run: Run, *, after: float = -math.inf, before: float = math.inf) 
     time, *columns = output_columns(run)
     inside = (time.values >= after) & (time.values <= before)
     if not np.any(inside):
-        raise ValueError(f"there are no outputs from {after:g} to {before:g} s")
+        wanted = f"from {after:g} to {before:g} s"
+        if math.isinf(before):
+            wanted = f"after {after:g} s"
+        elif math.isinf(after):
+            wanted = f"before {before:g} s"
+        ends = f"{time.values[0]:g} to {time.values[-1]:g} s"
+        raise ValueError(f"there are no outputs {wanted}; the run is from {ends}")
     return [
         Statistic(c.name, c.unit, c.quantity, extremes(time.values[inside], c.values[inside]))
         for c in columns

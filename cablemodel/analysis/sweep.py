@@ -80,6 +80,8 @@ _NUMBER = (
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
     r"\s*(?P<unit>[^\d\s:,\[\]{}\"'][^:]*?)?\s*"
 )
+_RANGE = re.compile(r"\s*\d[\d.]*(?:\s*(?:-|to|\.\.)|[^:]*:)\s*\d[\d.]*\s*[A-Za-z/]*\s*")
+"""A range without a count."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,9 @@ class Axis:
         from cablemodel.scene.text import parse_yaml
 
         values = parse_yaml(f"[{given}]", source=text)
+        for value in values:
+            if isinstance(value, str) and _RANGE.fullmatch(value):
+                raise SceneError.at(path, value, f"{shown(value)} says not how many", allowed)
         numbers = [re.fullmatch(_NUMBER, v) if isinstance(v, str) else None for v in values]
         units = {match["unit"] for match in numbers if match}
         if all(numbers) and len(units) == 1 and None not in units:

@@ -16,6 +16,7 @@ from cablemodel.cli.files import writable, writing
 from cablemodel.cli.inspect import RunArgument, say_incomplete
 from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import JsonOption, seconds_of
+from cablemodel.errors import CableModelError
 
 if TYPE_CHECKING:
     from cablemodel.analysis import Cycles, Floats, Statistic
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 _WIDEST = 200
 """Columns that the table of statistics may take."""
+_ROUNDING = 1e-12
+"""Differences of this size, or part of what differs, are none."""
 _TABLES = ("outputs", "states", "inputs")
 
 
@@ -123,10 +126,17 @@ def _report(
         name: _motion(time, tension[inside], slope, intercept, reference)
         for name, tension in start_tensions(run).items()
     }
+    names = run.scene.body_names(len(run["bodies.position"][0])) if _has_bodies(run) else []
     report = {
+        "bodies": names,
         "from": float(time[0]), "to": float(time[-1]), "outputs": len(time), "statistics": found,
     }  # fmt: skip
     return report | motions.get("", {"lines": motions})
+
+
+def _has_bodies(run: Run) -> bool:
+    """Whether it has bodies by number, as one line has: a system names its own."""
+    return "bodies.position" in run.names
 
 
 def _motion(
@@ -135,10 +145,16 @@ def _motion(
     """Spectrum, cycles and fatigue of the tension at the beginning of a line."""
     from cablemodel import analysis
 
-    counted = analysis.cycles(tension)
     span = float(time[-1] - time[0])
-    found: dict[str, Any] = {"spectrum": None}
-    found["fatigue"] = _fatigue(counted, span, slope, intercept, reference)
+    found: dict[str, Any] = {"spectrum": None, "fatigue": None}
+    try:
+        counted = analysis.cycles(tension)
+    except CableModelError as error:  # a package that the rest does without
+        if intercept is not None:
+            raise
+        found["without"] = str(error)
+    else:
+        found["fatigue"] = _fatigue(counted, span, slope, intercept, reference)
     if len(time) >= 32:
         density = analysis.spectrum(time, tension)
         found["spectrum"] = {
@@ -201,15 +217,21 @@ def _print_report(report: dict[str, Any]) -> None:
         table.add_column(heading, justify="left" if heading == "unit" else "right")
     constant = []
     for row in report["statistics"]:
-        if row.extremes.minimum < row.extremes.maximum:
+        lowest, highest = row.extremes.minimum, row.extremes.maximum
+        size = max(abs(lowest), abs(highest))
+        if highest - lowest > _ROUNDING * max(size, 1.0):
             table.add_row(*_row(row))
         else:
             unit = "" if row.unit == "1" else f" {row.unit}"
-            constant.append(f"{row.name} {readable(row.extremes.mean)}{unit}")
+            mean = row.extremes.mean if size > _ROUNDING else 0.0
+            constant.append(f"{row.name} {readable(mean)}{unit}")
     # What is piped into a file has 80 columns, and a number cut short is none.
     needed = Measurement.get(console, console.options.update(max_width=_WIDEST), table).maximum
     console.width = max(console.width, needed)
     console.print(table)
+    for number, name in enumerate(report["bodies"]):
+        if name:
+            console.print(f"bodies[{number}]: {name}", soft_wrap=True, markup=False)
     if constant:
         console.print(f"constant: {', '.join(constant)}", soft_wrap=True, markup=False)
     for name, motion in report.get("lines", {"": report}).items():
@@ -227,6 +249,9 @@ def _words(motion: dict[str, Any]) -> Iterator[str]:
             f"{readable(spectrum['peak_period'], 3)} s, mean period "
             f"{readable(spectrum['zero_crossing_period'], 3)} s"
         )
+    if fatigue is None:
+        yield f"no cycles: {motion['without']}"
+        return
     yield (
         f"{fatigue['cycles']:g} cycles, largest range {readable(fatigue['largest_range'])} N; "
         f"as one cycle a second {readable(fatigue['equivalent_range_1_hz'])} N "

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.line import LineItem
+    from cablemodel.systems import SystemScene
 
+_AT_THE_VESSEL = 1e-3
+"""A line that lies as near to its beginning [m] begins on the floor."""
 _INSTANTS = 201
 """At which the speed of the tow point is looked at."""
 
@@ -84,22 +87,49 @@ def _check_system(source: Any, overrides: Iterable[str], *, as_json: bool) -> No
     with explained_start(quiet=as_json), _start_warnings() as caught:
         model = SystemModel(scene)
     parts, start = list(topology(scene)), list(at_start(model))
+    around = list(_surroundings(scene))
     looks_wrong = [*system_warnings(scene), *system_start_warnings(model)]
     looks_wrong += [str(warning.message) for warning in caught]
     if as_json:
         found = {
             "title": scene.title,
             "topology": parts,
+            "surroundings": around,
+            "duration": scene.run.duration,
+            "output_interval": scene.run.output_interval,
             "start": start,
             "elements": model.statistics["elements"],
             "warnings": looks_wrong,
         }
         typer.echo(json.dumps(found))
         return
-    for line in [scene.title, *parts, "At the start:", *start]:
+    elements = _accuracy(int(model.statistics["elements"]), scene.solver.as_written())
+    run = f"run: {scene.run.duration:g} s, output every {scene.run.output_interval:g} s"
+    for line in [scene.title, *parts, *around, run, f"elements: {elements}"]:
         if line:
             typer.echo(line)
+    for line in ["At the start:", *start]:
+        typer.echo(line)
     _print_warnings(looks_wrong)
+    if not looks_wrong:
+        typer.echo("No warnings.")
+
+
+def _surroundings(scene: SystemScene) -> Iterator[str]:
+    """Waves, and what of the rest there is none of: a line of text for each."""
+    waves = _waves(scene)
+    if waves is not None:
+        yield f"waves: {waves}"
+    around = scene.environment
+    missing = [
+        word
+        for word, given in (
+            ("current", around.current), ("waves", around.waves), ("sea floor", around.floor),
+        )
+        if given is None
+    ]  # fmt: skip
+    if missing:
+        yield f"none in the scene: {', '.join(missing)}"
 
 
 @reported
@@ -158,6 +188,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
         "line": [_item(scene, item) for item in scene.line],
         "drum": [_item(scene, item) for item in scene.payout.drum],
         "payout_rate": [min(rates), max(rates)],
+        "payout_rate_at_start": scene.rate_at_start,
         "end": scene.end.kind,
         "vessel": _vessel(scene),
         "initial": scene.initial.kind,
@@ -179,7 +210,7 @@ def _report(scene: Scene, model: CableModel) -> dict[str, Any]:
     }
 
 
-def _waves(scene: Scene) -> str | None:
+def _waves(scene: Scene | SystemScene) -> str | None:
     """The sea in words."""
     from cablemodel.scene.sea import sea
 
@@ -285,7 +316,6 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_column()
     start = report["start"]
     tip = ", ".join(map(fixed, start["tip_position"]))
-    kind = "static equilibrium" if report["initial"] == "static" else "given shape"
     table.add_row("line, from the vessel", "\n".join(escape(_words(i)) for i in report["line"]))
     if report["drum"]:
         table.add_row("on the drum", "\n".join(escape(_words(i)) for i in report["drum"]))
@@ -300,7 +330,7 @@ def _print_report(report: dict[str, Any]) -> None:
     table.add_row("run", f"{report['duration']:g} s, output every {report['output_interval']:g} s")
     table.add_row("elements", _accuracy(report["elements"], report["solver"]))
     table.add_row("skipped", "\n".join(report["skipped"]) or "nothing")
-    table.add_row("start", kind)
+    table.add_row("start", _start(report))
     table.add_row("  top tension", f"{fixed(start['top_tension'])} N")
     table.add_row(
         "  tension along the cable",
@@ -308,7 +338,7 @@ def _print_report(report: dict[str, Any]) -> None:
     )
     table.add_row("  far end (x, y, z)", f"({tip}) m")
     if "floor_length" in start:
-        table.add_row("  sea floor", _rest(start))
+        table.add_row("  sea floor", _rest(start, report["vessel"]["position"]))
     console.print(table)
     _print_warnings(report["warnings"])
     if not report["warnings"]:
@@ -324,6 +354,17 @@ def _print_warnings(found: list[str]) -> None:
         console.print(f"[yellow]warning:[/yellow] {escape(warning)}", soft_wrap=True)
 
 
+def _start(report: dict[str, Any]) -> str:
+    """What the state at t = 0 is."""
+    speed, rate = report["vessel"]["speed"], report["payout_rate_at_start"]
+    if report["initial"] != "static":
+        return "given shape"
+    if speed == 0.0:
+        return "static equilibrium"
+    paid = f", with a pay-out of {readable(rate)} m/s" if rate else ""
+    return f"steady state at {readable(speed)} m/s{paid}"
+
+
 def _voyage(vessel: dict[str, Any]) -> str:
     """The tow point's motion in words."""
     begin, end = (", ".join(map(readable, vessel[k])) for k in ("position", "position_at_end"))
@@ -336,11 +377,13 @@ def _voyage(vessel: dict[str, Any]) -> str:
     return f"({begin}) m, {speeds}; at the end ({end}) m"
 
 
-def _rest(start: dict[str, Any]) -> str:
+def _rest(start: dict[str, Any], vessel: list[float]) -> str:
     if start["touchdown_position"] is None:
         return f"nothing touches it, nearest {readable(start['floor_clearance'])} m above it"
-    place = ", ".join(map(fixed, start["touchdown_position"]))
-    return f"{readable(start['floor_length'])} m on it, touchdown at ({place}) m"
+    lies = f"{readable(start['floor_length'])} m on it"
+    if math.dist(start["touchdown_position"], vessel) < _AT_THE_VESSEL:
+        return f"{lies}, from the tow point on"
+    return f"{lies}, touchdown at ({', '.join(map(fixed, start['touchdown_position']))}) m"
 
 
 def _accuracy(elements: int, solver: dict[str, Any]) -> str:

@@ -65,10 +65,16 @@ def convergence(
     """Run a scene at several tolerances; status 0 if its own keeps what it promises, else 1."""
     from cablemodel.accuracy.study import convergence as study
     from cablemodel.accuracy.study import runs_of
+    from cablemodel.errors import SceneError
     from cablemodel.scene import load_scene
+    from cablemodel.scene.load import is_system, read_content
 
     if plot is not None:
         writable(plot, PICTURES, "--plot")
+    if is_system(read_content(scene)[2]):
+        problem = "a study is made of one line: this is a system, not a scene of one line"
+        allowed = "cablemodel run SCENE --converge, or --error-estimate"
+        raise SceneError.at("lines", None, problem, allowed)
     loaded = load_scene(scene, overrides or ())
     given = None if tolerances is None else _tolerances(tolerances)
     end = None if until is None else seconds_of("--until", until)

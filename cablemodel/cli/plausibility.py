@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
-    from cablemodel.scene.vessel import RatePoint
+    from cablemodel.scene.vessel import RatePoint, Vessel
     from cablemodel.systems import SystemModel, SystemScene
 
 KNOT = 1852.0 / 3600.0
@@ -26,6 +26,10 @@ _AIR = 100.0
 """Densities [kg/m3] below this are air; nothing is surprising about it above z = 0."""
 _LIGHTEST, _HEAVIEST = 100.0, 12_000.0
 """Densities [kg/m3] of cables: foam and lead."""
+_ROUGHEST = 0.5
+"""Tangential drag coefficient of the roughest lines, on the circumference: chain has up to 0.4."""
+_AS_KILOGRAMS = 0.05
+"""Part by which a weight may differ from a mass that stands in its place."""
 _TONNES = (0.95, 1.1)
 """Densities of water in t/m3; air has 1.2 kg/m3."""
 _LARGE_STRAIN = 0.02
@@ -43,6 +47,10 @@ _FASTEST_WINCH = 10.0
 """Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
 _THICKEST = 0.4
 """Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
+_HEAVE = 2
+"""Turns from up to down and back that make a motion one of heave."""
+_NO_FORCE = 1e-6
+"""Forces [N] that rounding makes of none."""
 _EMPTY = 1e-6
 """Part of a pay-out that the drum may lack: rounding."""
 
@@ -60,6 +68,9 @@ def scene_warnings(scene: Scene) -> list[str]:
         )
     found += _angles_without_unit(scene)
     found += _fast_vessel("the tow point", scene.motion().typical_velocities())
+    found += _heave_that_ends("vessel", scene.vessel, scene.run.duration)
+    if scene.vessel.path is not None and scene.vessel.interpolation != "linear":
+        found.append("vessel.interpolation is between rows of velocity: a path is as it is")
     found += _fast_water(scene)
     found += _fast_winch("payout.rate", scene.payout.rate)
     density = scene.environment.water_density
@@ -95,6 +106,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
     for name, vessel in scene.vessels.items():
         found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_velocities())
+        found += _heave_that_ends(f"vessels.{name}", vessel, scene.run.duration)
         found += _waves_beyond_responses(scene, name)
     found += _fast_water(scene)
     for name, winch in scene.winches.items():
@@ -145,10 +157,12 @@ def _type_warnings(scene: CableScene, items: Iterable[LineItem], where: str) -> 
             continue
         density = kind.mass / (0.25 * math.pi * kind.diameter**2)
         if not _LIGHTEST < density < _HEAVIEST:
+            flexible = density > _HEAVIEST and kind.bending_stiffness == 0.0
+            chain = " Of chain it is that of its volume, 1.8 times the bar's." if flexible else ""
             found.append(
                 f"cable type {name} has a density of {density:.3g} kg/m3 (water: "
                 f"{scene.environment.water_density:g}): are its diameter ({kind.diameter:g} m) and "
-                f"its mass ({kind.mass:g} kg/m) right?"
+                f"its mass ({kind.mass:g} kg/m) right?{chain}"
             )
         if kind.diameter > _THICKEST:
             found.append(
@@ -159,6 +173,19 @@ def _type_warnings(scene: CableScene, items: Iterable[LineItem], where: str) -> 
         if weight < 0.0 and scene.environment.waves is None:  # a surface to float on
             found.append(f"cable type {name} floats: its submerged weight is {weight:g} N/m")
         found += _heavier_in_water(scene, f"cable type {name}", weight, kind.mass, "/m")
+        if kind.drag_tangential > _ROUGHEST:
+            found.append(
+                f"cable type {name} has a drag_tangential of {kind.drag_tangential:g}, on the "
+                "circumference: a coefficient on the diameter is to be divided by pi"
+            )
+        area = 0.25 * math.pi * kind.diameter**2
+        wet = kind.mass - scene.environment.water_density * area
+        if weight != 0.0 and abs(weight - wet) < _AS_KILOGRAMS * abs(wet):
+            found.append(
+                f"cable type {name} has a submerged_weight of {weight:g} N/m: its mass less the "
+                f"water's is {wet:.4g} kg/m, or {wet * scene.environment.gravity:.4g} N/m; kgf/m "
+                "need their unit"
+            )
     return found
 
 
@@ -175,6 +202,12 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
                     f"{what} has a drag_area, but no drag along its axis: drag_area_axial is "
                     "not given"
                 )
+            for way in ("", "_axial"):
+                area, given = f"drag_area{way}", f"drag_coefficient{way}"
+                if given in body.model_fields_set and getattr(body, area) == 0.0:
+                    found.append(f"{what} has a {given}, but no {area}: it has no effect")
+            if body.centre_offset != 0.0 and body.half_length == 0.0:
+                found.append(f"{what} has a centre_offset, but no half_length: it has no effect")
     return found
 
 
@@ -189,15 +222,40 @@ def _fast_vessel(what: str, velocities: NDArray[np.float64]) -> list[str]:
     ]
 
 
+def _heave_that_ends(name: str, vessel: Vessel, duration: float) -> list[str]:
+    """Of a tow point that goes up and down by a table that ends before the run does."""
+    if vessel.velocity is None:
+        return []
+    times = vessel.velocity.column("t")
+    upwards = vessel.velocity.column("velocity")[:, 2]
+    turns = np.count_nonzero(np.diff(np.sign(upwards[upwards != 0.0])))
+    if turns < _HEAVE or times[-1] >= duration:
+        return []
+    last = upwards[-1]
+    goes_on = f"at {last:.3g} m/s, its last speed upwards" if last else "without heave"
+    return [
+        f"{name}.velocity ends at {times[-1]:g} s, run.duration is {duration:g} s: from then on it "
+        f"goes on {goes_on}"
+    ]
+
+
 def _fast_water(scene: CableScene) -> list[str]:
     """A current that flows as none does."""
     current = scene.environment.current
     flow = 0.0 if current is None else float(np.linalg.norm(current.velocity, axis=-1).max())
+    found = []
+    if current is not None and len(current.z) > 1 and current.z[0] >= 0.0 < current.z[-1]:
+        found.append(
+            f"environment.current.table is all at or above the still water, up to z = "
+            f"{current.z[-1]:g} m: z is up, and a depth of {current.z[-1]:g} m has z = "
+            f"{-current.z[-1]:g}"
+        )
     if flow <= _FASTEST:
-        return []
+        return found
     return [
+        *found,
         f"environment.current reaches {flow:.3g} m/s ({flow / KNOT:.3g} knots): is it "
-        "right? kn need their unit"
+        "right? kn need their unit",
     ]
 
 
@@ -338,7 +396,7 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
         found += _stretched_at_start(scene, name, model.tension_max)
     found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
-    if model.tension_min < -slack:
+    if model.tension_min < -max(slack, _NO_FORCE):
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     from cablemodel.results.run import Run
     from cablemodel.results.simulate import Progress
+    from cablemodel.scene import Scene
+    from cablemodel.systems import SystemScene
 
 SceneArgument = Annotated[Path, typer.Argument(help="Scene file (YAML).", show_default=False)]
 SetOption = Annotated[
@@ -90,7 +92,7 @@ def run(
 ) -> None:
     """Simulate a scene to its end."""
     from cablemodel.accuracy.converge import converge as run_until_converged
-    from cablemodel.errors import ConvergenceError
+    from cablemodel.errors import ConvergenceError, StaticsError
     from cablemodel.results.simulate import simulate
     from cablemodel.systems import read_scene
 
@@ -125,6 +127,8 @@ def run(
             raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
             if math.isnan(reached[0]) or not _expected(error):
+                if isinstance(error, StaticsError):
+                    _say_why(loaded)
                 raise
             if not isinstance(error, ConvergenceError) or error.run is None:
                 raise FailedRunError(f"{error}{_kept(reached[0], log)}") from error
@@ -135,6 +139,16 @@ def run(
         _print_summary(result, log, converged=converge)
     if unconverged is not None:
         raise unconverged
+
+
+def _say_why(scene: Scene | SystemScene) -> None:
+    """What looks wrong in a scene that has no start: that may well be why."""
+    from cablemodel.cli.plausibility import scene_warnings, system_warnings
+    from cablemodel.scene import Scene
+
+    found = scene_warnings(scene) if isinstance(scene, Scene) else system_warnings(scene)
+    for warning in found:
+        typer.echo(f"cablemodel: warning: {warning}", err=True)
 
 
 def _expected(error: Exception) -> bool:
@@ -310,6 +324,7 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("top tension at the end", f"{fixed(summary['top_tension'])} N"),
         ("far end at the end (x, y, z)", _vector(summary["tip_position"])),
         ("lowest tension of the run", f"{fixed(summary['min_tension'])} N"),
+        ("highest tension of the run", f"{fixed(summary['max_tension'])} N"),
         *_slack_rows(summary, "slack"),
     ]  # fmt: skip
     rows.append(("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"))

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cablemodel.cli.errors import FAILED, INTERRUPTED, bad_option, reported
 from cablemodel.cli.files import PICTURES, writable, writing
+from cablemodel.cli.numbers import readable
 from cablemodel.cli.run import (
     ConvergeOption,
     SceneArgument,
@@ -23,6 +25,12 @@ if TYPE_CHECKING:
     import pandas
 
 FORMATS = (".csv", ".parquet", ".nc")
+_WIDEST, _WORDS = 300, 12
+"""Columns of text that the results on a screen may take, and the words above one of them."""
+_FEW = 20
+"""Runs whose results are shown as well."""
+_SHOWN = ("highest_tension", "lowest_tension", "tip_x", "tip_y", "tip_z")
+"""Of these results, and of the one that a picture shows, those that there are."""
 
 
 @reported
@@ -130,6 +138,9 @@ def sweep(
             words = f"\nThe {done} of {count} runs that had ended are in {target}" if done else ""
             typer.echo(f"cablemodel: interrupted{words}", err=True)
             raise typer.Exit(INTERRUPTED) from None
+    if len(table) <= _FEW and not quiet:
+        shown = {name: results[name] for name in (*_SHOWN, result) if name in results}
+        _show(table, [axis.column for axis in axes], shown)
     _say(table, target)
     if (table["error"] != "").all():
         raise typer.Exit(FAILED)
@@ -140,6 +151,27 @@ def sweep(
         with writing(plot, "--plot"):
             save_sweep_figure(table, plot, result=result, against=chosen)
         typer.echo(f"Picture: {plot}")
+
+
+def _show(table: pandas.DataFrame, varied: list[str], results: dict[str, str]) -> None:
+    """What is varied in a short table, and these results, as far as they are there."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.measure import Measurement
+    from rich.table import Table
+
+    shown = [name for name in (*varied, *results) if name in table.columns]
+    rows = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for name in shown:
+        title = "\n".join(wrap(results[name], _WORDS)) if name in results else name
+        rows.add_column(title, justify="right", no_wrap=True)
+    for values in table[shown].itertuples(index=False):
+        rows.add_row(*(readable(v) if isinstance(v, float) else str(v) for v in values))
+    console = Console(highlight=False, markup=False)
+    # What is piped into a file has 80 columns, and a path cut short is none.
+    needed = Measurement.get(console, console.options.update(max_width=_WIDEST), rows).maximum
+    console.width = max(console.width, needed)
+    console.print(rows)
 
 
 def _say(table: pandas.DataFrame, target: Path) -> None:

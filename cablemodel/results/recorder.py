@@ -67,7 +67,7 @@ class Recorder:
     Raises:
         LogError: the log cannot be written, or another run writes it.
         ValueError: a time is not a positive one.
-        TypeError: ``model`` is no model.
+        TypeError: ``model`` is no model, or one of a system, which a `SystemRecorder` records.
     """
 
     def __init__(
@@ -82,6 +82,9 @@ class Recorder:
         from cablemodel.scene.units import seconds
 
         check_model(model)
+        if variables.is_system(model.scene) != isinstance(self, SystemRecorder):
+            other = Recorder if isinstance(self, SystemRecorder) else SystemRecorder
+            raise TypeError(f"{model!r} is recorded by a {other.__name__}")
         settings = model.scene.run
         interval, end = settings.output_interval, settings.duration
         if output_interval is not None:
@@ -295,8 +298,10 @@ def _by_name(inputs: tuple[Any, ...]) -> dict[str, Any]:
 
 def _kept(inputs: SystemInputs) -> dict[str, Any]:
     """Those inputs of a step of a system that are given."""
+    from cablemodel.systems.inputs import names_of
+
     given: dict[str, Any] = {**inputs}
-    given["cuts"] = list(given.get("cuts") or ())
+    given["cuts"] = names_of(given.get("cuts"))
     return {name: value for name, value in given.items() if value}
 
 

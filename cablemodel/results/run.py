@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Protocol
@@ -114,6 +114,14 @@ class Run:
             self._columns[name] = self._source.column(variable)
         return self._columns[name]
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of the outputs."""
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such an output."""
+        return name in self.names
+
     def variable(self, name: str) -> variables.Variable:
         """The row of the table of variables of an output: its unit, its description, ..."""
         return self._variables[name]
@@ -177,14 +185,14 @@ class Run:
         """What ``cablemodel run --json`` prints: the end of the run and its extremes.
 
         ``time`` [s], ``top_tension`` [N] and ``tip_position`` [m] are those at the end;
-        ``min_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable and all output
-        times; ``slack_time``, ``slack_longest`` [s], ``slack_start`` and ``slack_end`` [m] say for
-        how long and where some of it was slack; ``wall_time`` [s], ``steps``, ``rejected``,
-        ``factorisations``, ``elements`` are of the solver. With ``solver.error_estimate`` also the
-        ``tolerance``, the ``accuracy`` that is asked for, ``position_error`` [m],
-        ``tension_error`` [N], the largest at any output while they are promised, and
-        ``error_share`` of what is allowed, the larger one's. None where a value is not known or not
-        finite.
+        ``min_tension``, ``max_tension`` [N] and ``max_curvature`` [1/m] the extremes over the cable
+        and all output times; ``slack_time``, ``slack_longest`` [s], ``slack_start`` and
+        ``slack_end`` [m] say for how long and where some of it was slack; ``wall_time`` [s],
+        ``steps``, ``rejected``, ``factorisations``, ``elements`` are of the solver. With
+        ``solver.error_estimate`` also the ``tolerance``, the ``accuracy`` that is asked for,
+        ``position_error`` [m], ``tension_error`` [N], the largest at any output while they are
+        promised, and ``error_share`` of what is allowed, the larger one's. None where a value is
+        not known or not finite.
         """
         if len(self.time):
             found: dict[str, Any] = {
@@ -192,12 +200,14 @@ class Run:
                 "top_tension": float(self.top_tension[-1]),
                 "tip_position": [_finite(value) for value in self.tip_position[-1]],
                 "min_tension": float(np.min(self.tension_min)),
+                "max_tension": float(np.max(self["tension_max"])),
                 **{key: self._at_end(key) for key in SLACK},
                 "max_curvature": self.max_curvature,
             }
         else:
             names = (
-                "time", "top_tension", "tip_position", "min_tension", *SLACK, "max_curvature",
+                "time", "top_tension", "tip_position", "min_tension", "max_tension", *SLACK,
+                "max_curvature",
             )  # fmt: skip
             found = dict.fromkeys(names)
         for name in ("wall_time", "steps", "rejected", "factorisations", "elements"):

@@ -26,7 +26,7 @@ from cablemodel.scene.base import (
 from cablemodel.scene.depth_table import DepthSurface
 from cablemodel.scene.rows import Rows
 from cablemodel.scene.tables import rows_from_file, table_from_file
-from cablemodel.scene.units import Count, Quantity, Vector, rejection
+from cablemodel.scene.units import Count, Quantity, Vector, not_one_of, rejection
 
 FloatArray = NDArray[np.float64]
 
@@ -224,7 +224,7 @@ class Floor(SceneModel):
     @model_validator(mode="after")
     def _plane_or_table(self) -> Floor:
         if (self.z is None) == (self.depth_table is None):
-            raise rejection("not exactly one of z and depth_table", "either z or depth_table")
+            raise not_one_of(self, "z", "depth_table")
         if self.depth_table is not None:
             _check_grid(self.depth_table)
             if {"slope", "at"} & self.model_fields_set and any((*self.slope, *self.at)):

@@ -19,7 +19,7 @@ from cablemodel.scene.base import (
     Velocity,
     WordOrMapping,
 )
-from cablemodel.scene.units import Count, Quantity, rejection
+from cablemodel.scene.units import Count, Quantity, not_one_of, rejection
 
 _LARGEST_DEGREE = 8
 _SUBMERGED_UNKNOWN = math.nan
@@ -101,8 +101,7 @@ class CableType(SceneModel):
     @model_validator(mode="after")
     def _one_strain_law(self) -> CableType:
         if (self.axial_stiffness is None) == (self.tension_strain is None):
-            allowed = "either axial_stiffness or tension_strain"
-            raise rejection(f"not exactly one of {allowed[7:].replace('or', 'and')}", allowed)
+            raise not_one_of(self, "axial_stiffness", "tension_strain")
         return self
 
     @property
@@ -216,7 +215,7 @@ class LineItem(SceneModel):
     @model_validator(mode="after")
     def _one_of_them(self) -> LineItem:
         if (self.cable is None) == (self.body is None):
-            raise rejection("not exactly one of cable and body", "either cable or body")
+            raise not_one_of(self, "cable", "body")
         return self
 
 

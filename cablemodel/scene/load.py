@@ -53,7 +53,7 @@ def load_scene(
 
 def _no_single_line(source: str) -> SceneError:
     problem = "lines between vessels and bodies are a system, not a scene of one line"
-    allowed = "cablemodel.load_system and SystemModel"
+    allowed = "line, from a vessel outwards; in Python load_system and SystemModel take systems"
     error = SceneError.at("lines", None, problem, allowed)
     error.source = source
     return error

@@ -6,16 +6,25 @@ import difflib
 import re
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from cablemodel.errors import SceneProblem, shown
+from cablemodel.scene.meant import meant
 from cablemodel.scene.rows import Rows
+from cablemodel.scene.units import Count, Quantity, Vector
 
 _MOST = 20
 _KEY_MARK = "[key]"
+_DEEPEST = 4
+"""Keys on the way to where else a key may stand."""
+_HOMES = 3
+"""Places at which a key may stand that are worth naming; more tell nothing."""
+
+_NUMBERS = (Count, Quantity, Vector)
 
 Location = tuple[int | str, ...]
 
@@ -47,12 +56,14 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
         return [SceneProblem(path, given, context["problem"], context["allowed"])]
     path = dotted(location)
     if kind == "missing":
-        return [SceneProblem(path, None, "is missing", _meaning(root, location))]
+        meaning, allowed = _meaning(root, location), _allowed(root, location)
+        told = f": {meaning}" if meaning and allowed else ""
+        return [SceneProblem(path, None, f"is missing{told}", allowed or meaning)]
     if kind == "extra_forbidden":
         return [_unknown_key(root, location, value)]
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         keys = _keys_at(root, location)
-        allowed = f"a mapping with the keys {', '.join(keys)}" if keys else "a mapping"
+        allowed = f"a mapping with the keys {', '.join(keys)}" if keys else _by_name(root, location)
         return [SceneProblem(path, value, f"{shown(value)} is not a mapping", allowed)]
     if kind in ("tuple_type", "list_type"):
         keys = _keys_at(root, (*location, 0))
@@ -77,10 +88,55 @@ def _translated(finding: dict[str, Any], root: type[BaseModel]) -> list[ScenePro
     return [SceneProblem(path, value, f"{shown(value)}: {finding['msg']}")]
 
 
+def _by_name(root: type[BaseModel], location: Location) -> str:
+    """What a mapping by names may be."""
+    if keys := _keys_at(root, (*location, "NAME")):
+        return f"a mapping {{NAME: {{{', '.join(keys)}}}}}"
+    field = _field_at(root, location)
+    inner = get_args(get_args(field.annotation)[1]) if field is not None else ()
+    numbers = next((kind.allowed for kind in inner if isinstance(kind, _NUMBERS)), "...")
+    return f"a mapping {{NAME: {numbers}}}"
+
+
 def _unknown_key(root: type[BaseModel], location: Location, value: Any) -> SceneProblem:
     keys = _keys_at(root, location[:-1])
-    near = suggestion(location[-1], keys)
+    word = str(location[-1])
+    stands_for = meant(word, keys)
+    near = f", did you mean {stands_for}?" if stands_for else ""
+    # At the top what is like it is likelier; below, a key that is right elsewhere.
+    like, home = suggestion(word, keys), _home(root, location)
+    near = near or ((like or home) if len(location) == 1 else (home or like))
     return SceneProblem(dotted(location), value, f"unknown key{near}", ", ".join(keys))
+
+
+def _home(root: type[BaseModel], location: Location) -> str:
+    """Where a key is known that is unknown at its place: the nearest below it, else anywhere."""
+    word, above = str(location[-1]), location[:-1]
+    ways: tuple[tuple[Any, Location, str], ...] = (
+        (_type_at(root, above), above, "it belongs in"),
+        (root, (), "a key of"),
+    )
+    for model, prefix, told in ways:
+        found = sorted(_places(model, word, prefix), key=len) if _is_model(model) else []
+        nearest = [dotted(place) for place in found if len(place) == len(found[0])]
+        if found:
+            named = " or ".join(place or "the scene itself" for place in nearest)
+            return f", {told} {named}" if len(nearest) <= _HOMES else ""
+    return ""
+
+
+def _places(model: type[BaseModel], word: str, at: Location, depth: int = 0) -> Iterator[Location]:
+    """Places of the mappings, at one of this kind and below, that have such a key."""
+    fields = {field.alias or name: field for name, field in model.model_fields.items()}
+    if word in fields:
+        yield at
+    for name, field in fields.items() if depth < _DEEPEST else ():
+        inner, way = _bare(field.annotation), (*at, name)
+        while get_origin(inner) in (tuple, Rows, dict, Mapping):
+            rows = get_origin(inner) in (tuple, Rows)
+            inner, way = _bare(get_args(inner)[0 if rows else 1]), (*way, "N" if rows else "NAME")
+        if _is_model(inner):
+            yield from _places(inner, word, way, depth + 1)
 
 
 def suggestion(word: Any, words: list[str]) -> str:
@@ -113,14 +169,35 @@ def _likeness(given: str, known: str) -> float:
 
 def _keys_at(root: type[BaseModel], location: Location) -> list[str]:
     model = _type_at(root, location)
-    return list(model.model_fields) if _is_model(model) else []
+    if not _is_model(model):
+        return []
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
+    """The field that a key of the file names."""
+    for name, field in model.model_fields.items():
+        if key == (field.alias or name):
+            return field
+    return None
+
+
+def _field_at(root: type[BaseModel], location: Location) -> FieldInfo | None:
+    parent = _type_at(root, location[:-1])
+    return _field_of(parent, str(location[-1])) if _is_model(parent) else None
 
 
 def _meaning(root: type[BaseModel], location: Location) -> str:
     """The description of the field at a place."""
-    parent = _type_at(root, location[:-1])
-    field = parent.model_fields.get(str(location[-1])) if _is_model(parent) else None
+    field = _field_at(root, location)
     return (field.description or "") if field is not None else ""
+
+
+def _allowed(root: type[BaseModel], location: Location) -> str:
+    """What may stand at a place, where its kind of number says so."""
+    field = _field_at(root, location)
+    kinds = field.metadata if field is not None else []
+    return next((kind.allowed for kind in kinds if isinstance(kind, _NUMBERS)), "")
 
 
 def _type_at(root: type[BaseModel], location: Location) -> Any:
@@ -128,7 +205,7 @@ def _type_at(root: type[BaseModel], location: Location) -> Any:
     here: Any = root
     for part in location:
         if _is_model(here):
-            field = here.model_fields.get(str(part))
+            field = _field_of(here, str(part))
             here = _bare(field.annotation) if field is not None else None
         elif get_origin(here) in (tuple, Rows):
             here = _bare(get_args(here)[0])

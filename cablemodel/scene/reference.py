@@ -53,7 +53,10 @@ def definition(schema: dict[str, Any], path: str) -> dict[str, Any]:
         place = ".".join([*walked, part])
         if field is None:
             known = list(found["properties"])
-            problem = f"{shown(part)} is no key there{suggestion(part, known)}"
+            near = suggestion(part, known)
+            if not near and not walked and (homes := _homes(schema, part)):
+                near = f", it is one of {' and of '.join(homes)}"
+            problem = f"{shown(part)} is no key there{near}"
             raise SceneError([SceneProblem(place, None, problem, ", ".join(known))])
         found = _mapping(schema, field)
         if not found:
@@ -62,6 +65,23 @@ def definition(schema: dict[str, Any], path: str) -> dict[str, Any]:
         walked.append(part)
         may_be_name = _has_names(field)
     return found
+
+
+_MOST_HOMES = 3
+"""Places that are worth naming; more tell nothing."""
+
+
+def _homes(schema: dict[str, Any], key: str) -> list[str]:
+    """Paths of the mappings that have a key, where there are few."""
+    waiting: list[tuple[str, dict[str, Any]]] = [("", schema)]
+    found: list[str] = []
+    for path, mapping in waiting:  # grows on the way
+        for name, field in mapping["properties"].items():
+            if name == key:
+                found.append(path)
+            if below := _mapping(schema, field):
+                waiting.append((f"{path}.{name}".lstrip("."), below))
+    return found if len(found) <= _MOST_HOMES else []
 
 
 def word_of(schema: dict[str, Any]) -> tuple[str, dict[str, Any]]:

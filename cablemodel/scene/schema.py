@@ -216,7 +216,8 @@ class Scene(Document):
     line: tuple[LineItem, ...] = Field(description="cables and bodies from the vessel outwards")
     end: End = Field(default=End.model_validate("free"), description="the far end of the line")
     initial: Initial = Field(
-        default=Initial.model_validate("static"), description="the cable at t = 0"
+        default=Initial.model_validate("static"),
+        description="the cable at t = 0; static: at rest, or in steady tow",
     )
     vessel: Vessel = Field(default=Vessel(), description="the motion of the tow point")
     payout: Payout = Field(default=Payout(), description="the winch")
@@ -383,6 +384,13 @@ class Scene(Document):
     def bodies(self) -> list[Body]:
         """The bodies that are out at t = 0, from the vessel outwards."""
         return [item.body for item in self.line if item.body is not None]
+
+    def body_names(self, count: int) -> list[str]:
+        """Names of the outermost bodies, those on the drum among them, from the vessel outwards;
+        empty where one has none."""
+        items = (*self.payout.drum, *self.line)
+        names = [item.body.name or "" for item in items if item.body is not None]
+        return names[-count:] if count else []
 
     @property
     def line_length(self) -> float:

@@ -50,7 +50,14 @@ def velocity_from_file(
         allowed = "no topic with a CSV file"
         raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
     columns = _columns_from_csv(path, ("t", "vx", "vy", "vz"), (), at)
-    return columns["t"], np.stack([columns[name] for name in ("vx", "vy", "vz")], axis=1)
+    times = columns["t"]
+    early = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(early):
+        row = int(early[0]) + 1
+        word = "twice the same t" if times[row] == times[row - 1] else "out of order: t"
+        problem = f"row {row + 1} of {path.name}: {word} ({times[row]:g} after {times[row - 1]:g})"
+        raise rejection(problem, "t rising from row to row", path.name, at)
+    return times, np.stack([columns[name] for name in ("vx", "vy", "vz")], axis=1)
 
 
 def table_from_file(

@@ -163,18 +163,52 @@ def parse_yaml(text: str | bytes, source: str = "") -> Any:
         finally:
             loader.dispose()
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        problem = error.problem or error.context or "not YAML"
-        if _TAB in problem:
-            raise _not_yaml(f"{where}a tab", source, "spaces to indent") from None
-        repeated = isinstance(error, yaml.constructor.ConstructorError)
-        allowed = "YAML with every key once" if repeated else "YAML"
-        raise _not_yaml(where + problem, source, allowed) from None
+        problem, allowed = _plain_words(error)
+        raise _not_yaml(f"{_place(error.problem_mark)}: {problem}", source, allowed) from None
     except (yaml.YAMLError, UnicodeError, ValueError, OverflowError) as error:
         raise _not_yaml(" ".join(str(error).split()), source) from None
     except RecursionError:
         raise _not_yaml("nested too deeply", source) from None
+
+
+def _place(mark: yaml.Mark | None) -> str:
+    return f"line {mark.line + 1}, column {mark.column + 1}" if mark else "at its end"
+
+
+def _plain_words(error: yaml.MarkedYAMLError) -> tuple[str, str]:
+    """What PyYAML complains of, and what is allowed there, for who does not know its grammar."""
+    problem = error.problem or error.context or "not YAML"
+    begun = _place(error.context_mark)
+    if _TAB in problem:
+        return "a tab", "spaces to indent"
+    if problem.startswith(("expected ',' or '}'", "expected ',' or ']'")):
+        bracket = problem[17]
+        opened = {"}": "{", "]": "["}[bracket]
+        return (
+            f"the {opened} of {begun}, is not closed before this, or a comma is missing",
+            f"a comma, or {bracket}",
+        )
+    if problem.startswith("expected <block end>"):
+        return (
+            f"this does not go on with what began at {begun}",
+            "all keys of a mapping, or all '-' of a list, in one column, and a space after ':' "
+            "and '-'",
+        )
+    if problem.startswith("mapping values are not allowed"):
+        return (
+            "a ':' that cannot stand here",
+            "a key in the column of those above it, or text with ':' in quotes",
+        )
+    if problem.startswith("could not find expected ':'"):
+        return f"no ':' after the key of {begun}", "KEY: VALUE, with a space"
+    if "that cannot start any token" in problem:
+        return problem.replace("found character ", "").replace(
+            "that cannot start any token", "cannot begin a value"
+        ), "such text in quotes"
+    if "quoted scalar" in (error.context or "") and "unexpected end" in problem:
+        return f"the quote of {begun}, is not closed", "a quote at its end"
+    repeated = isinstance(error, yaml.constructor.ConstructorError)
+    return problem, "YAML with every key once" if repeated else "YAML"
 
 
 def _not_yaml(problem: str, source: str, allowed: str = "YAML") -> SceneError:

@@ -41,6 +41,17 @@ _QUANTITY = re.compile(
 )
 _EXPONENT = re.compile(r"(?<=[A-Za-z_µμΩ°%])\s*(?:\*\*|\^)?\s*(-?[1-9])")
 _LONGEST_TEXT = 80
+_SLIPS = {
+    ("m", "s"): "m is the metre, min the minute",
+    ("kn", "N"): "kn is the knot, kN the kilonewton",
+    ("kN", "m/s"): "kN is the kilonewton, kn the knot",
+    ("kg", "N"): "kg is a mass; kgf is its weight",
+    ("t", "N"): "t is a mass; tf is its weight",
+    ("N", "kg"): "N is a force; kg is a mass",
+    ("kN", "kg"): "kN is a force; kg is a mass",
+    ("N/m", "kg/m"): "N/m is a weight; kg/m is a mass",
+}
+"""What is often taken for another unit: by the one given and the one asked for."""
 
 # Numbers outside this range overflow in a product or quotient of a few; no cable has them.
 _LARGEST = 1e30
@@ -56,6 +67,13 @@ def rejection(
     """
     context = {"problem": problem, "allowed": allowed, "value": value, "at": at}
     return PydanticCustomError("scene", "not allowed", context)
+
+
+def not_one_of(mapping: Any, one: str, other: str) -> PydanticCustomError:
+    """As `rejection`, where neither of two keys is given, or both are."""
+    neither = getattr(mapping, one) is None
+    problem = f"neither {one} nor {other} is" if neither else f"both {one} and {other} are"
+    return rejection(f"{problem} given", f"either {one} or {other}")
 
 
 def several(problems: list[SceneProblem]) -> PydanticCustomError:
@@ -173,7 +191,8 @@ class Quantity:
             converted = units.Quantity(number, given).to(self.unit or "dimensionless").magnitude
         except (PintError, ArithmeticError, KeyError):
             target = plain_unit(self.unit) or "a plain number"
-            problem = f"{shown(text)} cannot be converted to {target}"
+            hint = _SLIPS.get((unit, self.unit), "")
+            problem = f"{shown(text)} cannot be converted to {target}{hint and ': '}{hint}"
             raise rejection(problem, self.allowed, text) from None
         return float(converted)
 
@@ -352,6 +371,8 @@ def _registry() -> UnitRegistry[Any]:
     units = kept_registry(cache_root() / f"pint-{name}")
     if "kn" not in units:  # pint before 0.25 knows only knot and kt
         units.define("@alias knot = kn")
+    if "te" not in units:
+        units.define("@alias tonne = te")  # as OrcaFlex writes it
     return units
 
 

@@ -35,7 +35,7 @@ from cablemodel.scene.line import Connection, LineItem
 from cablemodel.scene.motion import VesselMotion
 from cablemodel.scene.rows import Rows
 from cablemodel.scene.tables import velocity_from_file
-from cablemodel.scene.units import Quantity, Vector, rejection
+from cablemodel.scene.units import Quantity, Vector, not_one_of, rejection
 
 _FILE_NAME = re.compile(r"\.[A-Za-z]\w{0,5}\s*$")
 _SAME_HEADING = 1e-6
@@ -57,10 +57,15 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
         and not any(isinstance(item, (Mapping, SceneModel)) for item in value)
     ):
         return [{"t": 0.0, "velocity": Vector("m/s")(value)}]
-    allowed = "a vector, a list of {t, velocity}, or {file: NAME} with an optional topic"
-    if isinstance(value, str):
-        named = f"; a file is named by {{file: {value}}}" if _FILE_NAME.search(value) else ""
-        raise rejection(f"{shown(value)} is a text{named}", allowed, value)
+    allowed = (
+        "a vector [x, y, z] in m/s, as [5 kn, 0, 0], a list of {t, velocity}, or {file: NAME} with "
+        "an optional topic"
+    )
+    if isinstance(value, str) and _FILE_NAME.search(value):
+        problem = f"{shown(value)} is a text; a file is named by {{file: {value}}}"
+        raise rejection(problem, allowed, value)
+    if isinstance(value, (str, int, float)):
+        raise rejection(f"{shown(value)} is no vector", allowed, value)
     if not isinstance(value, Mapping):  # also rows that were read before
         return value
     if set(value) - {"file", "topic"} or not isinstance(value.get("file"), str):
@@ -110,7 +115,7 @@ class Straight(SceneModel):
     @model_validator(mode="after")
     def _one_extent(self) -> Straight:
         if (self.duration is None) == (self.length is None):
-            raise rejection("not exactly one of duration and length", "either duration or length")
+            raise not_one_of(self, "duration", "length")
         return self
 
 
@@ -139,7 +144,7 @@ class Leg(SceneModel):
     @model_validator(mode="after")
     def _one_of_them(self) -> Leg:
         if (self.straight is None) == (self.turn is None):
-            raise rejection("not exactly one of straight and turn", "either straight or turn")
+            raise not_one_of(self, "straight", "turn")
         return self
 
 

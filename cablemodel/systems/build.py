@@ -22,6 +22,8 @@ from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems.built import Built
 from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
 from cablemodel.systems.guess import Guess, first_guess, ways_aside
+from cablemodel.systems.joined import joined
+from cablemodel.systems.lays import lays, start, without
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
@@ -62,19 +64,28 @@ def build(scene: SystemScene) -> Built:
     """
     with search.searching(scene) as sought:
         try:
-            return _built(scene, sought)
+            apart = lays(scene)
+            if not apart:
+                return _built(scene, sought, scene)
+            rest = without(scene, apart)
+            built = None if rest is None else _built(rest, sought, scene)
+            starts = [(lay, start(lay, scene)) for lay in apart]
         except search.OutOfTimeError:
             raise sought.gives_up() from None
+    whole = joined(scene, built, starts)
+    whole.unstable = built is not None and built.unstable
+    return whole
 
 
-def _built(scene: SystemScene, sought: search.Search) -> Built:
+def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Built:
+    """What starts as a system, of a whole whose floor and scales it has."""
     velocity = steady_velocity(scene)
     guess = first_guess(scene, velocity)
     sought.tries("without friction")
     built: Built | None = None
     leaves: UnstableStartWarning | None = None
     try:
-        built = _at_rest(scene, sought, guess, velocity)
+        built = _at_rest(scene, sought, guess, velocity, whole)
         leaves = instability(built)
     except StaticsError as error:
         failure = error
@@ -89,7 +100,7 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
             continue
         sought.tries(words)
         with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
-            built = _at_rest(scene, sought, other_guess, velocity)
+            built = _at_rest(scene, sought, other_guess, velocity, whole)
             leaves = instability(built)
     if built is None or (leaves is not None and is_pressed(built)):
         # Slack between two places one above the other is a strut, or hangs doubled in a sharp bend.
@@ -98,7 +109,7 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
         sought.tries("the same from lines that were drawn aside")
         for parts in PARTS_ASIDE:
             with suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,))):
-                other = _at_rest(scene, sought, aside, velocity, parts)
+                other = _at_rest(scene, sought, aside, velocity, whole, parts)
                 its = instability(other)
                 if built is None or its is None:
                     built, leaves = other, its
@@ -114,7 +125,12 @@ def _built(scene: SystemScene, sought: search.Search) -> Built:
 
 
 def _at_rest(
-    scene: SystemScene, sought: search.Search, guess: Guess, velocity: FloatArray, parts: int = 1
+    scene: SystemScene,
+    sought: search.Search,
+    guess: Guess,
+    velocity: FloatArray,
+    whole: SystemScene,
+    parts: int = 1,
 ) -> Built:
     """A block in equilibrium, on elements that are fine enough for it.
 
@@ -130,14 +146,14 @@ def _at_rest(
             accuracy = scene.solver.tolerance * line.length
             cables = [item.cable for item in line.items if item.cable is not None]
             nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
-    built = _solved(scene, nodes, guess, None, velocity)
+    built = _solved(scene, nodes, guess, None, velocity, whole)
     for _round in range(REFINEMENT_ROUNDS):
         finer = refined(scene, nodes, built)
         if finer is None:
             break
         nodes = finer
         sought.tries("the same on finer elements")
-        built = _solved(scene, nodes, guess, built, velocity)
+        built = _solved(scene, nodes, guess, built, velocity, whole)
     if scene.environment.floor is not None:
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
@@ -156,9 +172,6 @@ def _start_flowing(scene: SystemScene, built: Built) -> None:
         rate = winch.rate_at_start
         if rate == 0.0:
             continue
-        if block.header.floor_state == at.FLOOR_TOUCHED:
-            problem = "what touches the sea floor does not move along"
-            raise SceneError.at(f"winches.{name}.rate", rate, problem, "0 m/s at t = 0")
         row = built.winch(number)
         row.rate = rate
         # Nothing else holds it: a tree begins at the winch.
@@ -171,6 +184,25 @@ def _start_flowing(scene: SystemScene, built: Built) -> None:
             v[node, :3] = v[parents[node], :3]
             if node in runs:
                 v[node, :3] = v[top, :3] + rate * q[node, 3:]
+        if block.header.floor_state == at.FLOOR_TOUCHED:
+            _refuse_what_touches(scene, built, name, hangs)
+
+
+def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: set[int]) -> None:
+    """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, is on the floor."""
+    floor = scene.environment.floor
+    assert floor is not None
+    places = built.block.array(Header.position, built.nodes, 6)[:, :3]
+    depth = float(built.block.scalars.floor_depth)
+    for node in sorted(hangs):
+        x, y, z = (places[node] + built.block.scalars.origin).tolist()
+        if z - floor.height(x, y) < depth:
+            part, arc = built.where(node)
+            where = part if part in scene.bodies else f"{part} at {arc:.4g} m"
+            winch = scene.winches[name]
+            problem = f"{where} touches the sea floor, and {winch.line} is tied to more"
+            allowed = "0 m/s at t = 0, or a line by itself, which may end at an anchor"
+            raise SceneError.at(f"winches.{name}.rate", winch.rate_at_start, problem, allowed)
 
 
 def _solved(
@@ -179,6 +211,7 @@ def _solved(
     guess: Guess,
     before: Built | None,
     velocity: FloatArray,
+    whole: SystemScene,
 ) -> Built:
     """A block on given nodes, at rest; from another one on coarser nodes where there is one."""
     from cablemodel.solvers import library as entry
@@ -186,7 +219,7 @@ def _solved(
     tree = tree_of(scene, nodes)
     built = allocated(scene, tree)
     block = built.block
-    fill_settings_of(scene, built)
+    fill_settings_of(whole, built)
     fill_cables(scene, built)
     fill_frames(scene, block)
     fill_held(scene, built)
@@ -197,7 +230,7 @@ def _solved(
     fill_feet(scene, built)
     fill_waves(scene, block)
     place_nodes(scene, built, guess, before)
-    sea_floor.fill(block, scene)
+    sea_floor.fill(block, whole)
     block.header.sleep = 0
     entry.place_supports(block.ints, block.reals)
     _come_to_rest(scene, built, velocity)

@@ -44,7 +44,12 @@ class SystemInputs(TypedDict, total=False):
     rates: Mapping[str, float] | None
     """Of winches by name, positive out [m/s]; those not named follow the scene."""
     cuts: Iterable[str]
-    """Names of those that are made now, at the beginning of the step."""
+    """Names of those that are made now, at the beginning of the step; one may stand alone."""
+
+
+def names_of(cuts: Iterable[str] | str | None) -> list[str]:
+    """Names of cuts that a step is given: any number of them, or one by itself."""
+    return [cuts] if isinstance(cuts, str) else list(cuts or ())
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,9 @@ class InputNames:
         table = _Table(time)
         motion = np.zeros((len(scene.vessels), at.FRAME_INPUTS))
         for number, name, wanted in table.rows("vessels", given.get("vessels"), scene.vessels):
+            if not isinstance(wanted, VesselInput):
+                allowed = "a VesselInput, as VesselInput(velocity=[2, 0, 0])"
+                raise table.wrong(f"vessels[{name!r}]", wanted, allowed)
             row = motion[number]
             for key, bit in _GIVEN:
                 value = getattr(wanted, key)
@@ -107,7 +115,7 @@ class InputNames:
         for number, name, value in table.rows("rates", given.get("rates"), scene.winches):
             rates[number] = 1.0, table.vector(f"rates.{name}", [value], 1)[0]
         orders = np.zeros(len(scene.cuts))
-        named = dict.fromkeys(given.get("cuts") or (), True)
+        named = dict.fromkeys(names_of(given.get("cuts")), True)
         for number, _name, _value in table.rows("cuts", named, scene.cuts):
             orders[number] = 1.0
         return Drive(motion, forces, angles, rates.ravel(), orders)
@@ -168,6 +176,8 @@ class _Table:
         """Number, name and value of each that is given."""
         known = {name: number for number, name in enumerate(names)}
         found = []
+        if given is not None and not isinstance(given, Mapping):
+            raise self.wrong(kind, given, f"a mapping by the names of {', '.join(known) or 'none'}")
         for name, value in (given or {}).items():
             if name not in known:
                 raise self.wrong(kind, name, f"one of {', '.join(known) or 'none'}")

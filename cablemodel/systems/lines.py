@@ -133,16 +133,17 @@ def flows_at_start(scene: SystemScene) -> FloatArray:
 
 def steady_velocity(scene: SystemScene) -> FloatArray:
     """Velocity of the frame in which the system is at rest at t = 0, (3,) [m/s]: that of its
-    vessels, or of the water where nothing holds it.
+    vessels, or of the water where nothing holds it. Lines that start alone have their own.
 
     Raises:
         SceneError: there is none.
     """
     found: FloatArray | None = None
     first = ""
+    alone = {winch.line for name, winch in scene.winches.items() if scene.runs_alone(name)}
+    ends = [end for name, line in scene.lines.items() if name not in alone for end in line.ends]
     for name, vessel in scene.vessels.items():
-        used = any(end.owner == name for line in scene.lines.values() for end in line.ends)
-        if not used:
+        if not any(end.owner == name for end in ends):
             continue
         own = vessel.motion().evaluate(0.0)[1]
         if found is not None and np.linalg.norm(own - found) > AT_REST * (
@@ -155,7 +156,9 @@ def steady_velocity(scene: SystemScene) -> FloatArray:
                 "vessels that begin with one velocity",
             )
         found, first = own, name
-    anchored = any(end.anchor is not None for line in scene.lines.values() for end in line.ends)
+    if found is None and not ends:
+        return np.zeros(3)
+    anchored = any(end.anchor is not None for end in ends)
     if found is None:
         rows = flows_at_start(scene) if is_adrift(scene) else np.zeros((1, 3))
         if np.ptp(rows, axis=0).max() > 0.0:

@@ -30,7 +30,7 @@ from cablemodel.solvers.protocol import Errors, images_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Winch
 from cablemodel.systems.build import build
-from cablemodel.systems.inputs import InputNames, SystemInputs
+from cablemodel.systems.inputs import InputNames, SystemInputs, names_of
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import warn_if_unstable
 
@@ -137,7 +137,8 @@ class LineView:
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
         if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
-            raise ValueError(f"{self.name}: stations are 0 to {length:g} m")
+            wrong = s[~((s >= 0.0) & (s <= length * (1.0 + 1e-12)))][0]
+            raise ValueError(f"s = {wrong:g} m is not on {self.name}; allowed: 0 to {length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:
             gaps = np.abs(elements.start[:, None] - before - self._joints)
@@ -236,6 +237,10 @@ class SystemModel:
         self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
         self._errors: dict[str, Errors] | None = None
 
+    def __repr__(self) -> str:
+        title = self.scene.title or "untitled"
+        return f"<SystemModel of {title!r} at t = {self.time:g} s>"
+
     def __copy__(self) -> SystemModel:
         return copy.deepcopy(self)
 
@@ -245,7 +250,17 @@ class SystemModel:
         return float(self.built.block.scalars.time)
 
     def step(self, dt: float, **inputs: Unpack[SystemInputs]) -> None:
-        """Advance by dt [s], of any length. inputs: see `SystemInputs`.
+        """Advance by dt [s], of any length.
+
+        An input is the value reached at the end of the step; what is not given follows the scene.
+
+        Args:
+            vessels: a `VesselInput` by the name of a vessel or driven end.
+            forces: outside force and torque about the origin (6,) [N, N m], earth frame, by the
+                name of a body; one that is not named has none.
+            deflections: of foils, by ``BODY.FOIL`` [rad]; those not named stay.
+            rates: of winches, by name, positive out [m/s].
+            cuts: names of those that are made now, at the beginning of the step.
 
         Raises:
             StepError: an input is wrong, or no step could be made; the model is as it was.
@@ -266,7 +281,7 @@ class SystemModel:
         from cablemodel.solvers import library as entry
 
         if "cuts" in inputs:
-            inputs["cuts"] = list(inputs["cuts"] or ())  # whatever it is, it is asked for twice
+            inputs["cuts"] = names_of(inputs["cuts"])  # whatever it is, it is asked for twice
         block, beside = self.built.block, self._beside
         drive = self._inputs.drive(inputs, self._angles, self.time)
         before = None  # a step that fails gives the state back, but not what drives it
@@ -628,7 +643,13 @@ def load_system(
     Raises:
         SceneError: naming every problem with its path, its value and what is allowed.
     """
-    return loaded(SystemScene, read_content(source), overrides)
+    content = read_content(source)
+    if "line" in content[2] and "lines" not in content[2]:
+        problem = "a scene of one line, from a vessel outwards, is no system"
+        error = SceneError.at("line", None, problem, "lines by name; load_scene and CableModel")
+        error.source = content[1] or ""
+        raise error
+    return loaded(SystemScene, content, overrides)
 
 
 def read_scene(

@@ -24,16 +24,18 @@ from cablemodel.scene.base import (
     UnitVector,
     also,
 )
-from cablemodel.scene.environment import Environment
-from cablemodel.scene.line import Cable, CableType, LineItem
+from cablemodel.scene.environment import Environment, Floor
+from cablemodel.scene.line import Cable, CableType, Connection, LineItem
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import rows_from_file
-from cablemodel.scene.units import Quantity, Vector, rejection, several
+from cablemodel.scene.units import Quantity, Vector, not_one_of, rejection, several
 from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
 from cablemodel.systems.motion import first_turn
 
 FloatArray = NDArray[np.float64]
 
+ON_FLOOR = 1e-3
+"""Of the length of a line: gap between its anchor and the floor below which that lies there."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
@@ -79,6 +81,13 @@ class VesselFrame(Vessel):
     to the track, and its yaw rate changes over ``turn_time``.
     """
 
+    position: Position = Field(
+        default=(0.0, 0.0, 0.0), description="position of its origin at t = 0"
+    )
+    connection: Connection = Field(
+        default=Connection.model_validate("pinned"),
+        description="pinned: a line is clamped where it begins or ends, by clamped there",
+    )
     attitude: Attitude = Field(
         default=(0.0, 0.0, 0.0),
         description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
@@ -98,6 +107,14 @@ class VesselFrame(Vessel):
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
         json_schema_extra=also({"type": "string"}),
     )
+
+    @field_validator("connection")
+    @classmethod
+    def _pinned(cls, connection: Connection) -> Connection:
+        if connection.clamped is not None:
+            allowed = "pinned; from: {point: VESSEL.POINT, clamped: [x, y, z]} of a line"
+            raise rejection("lines have clamps, not the vessel", allowed)
+        return connection
 
     @model_validator(mode="after")
     def _turns_in_time(self) -> VesselFrame:
@@ -291,7 +308,7 @@ class FreeBody(SceneModel):
     @model_validator(mode="after")
     def _weight_or_hull(self) -> FreeBody:
         if (self.submerged_weight is None) == (self.hull is None):
-            raise rejection("not exactly one of submerged_weight and hull", "one of them")
+            raise not_one_of(self, "submerged_weight", "hull")
         return self
 
     def place(self, point: str) -> tuple[float, float, float]:
@@ -431,7 +448,9 @@ class SystemWinch(SceneModel):
     rate: RateTable = Field(
         default=(RatePoint(t=0.0, rate=0.0),),
         description="speed at which it pays out, negative: reels in; one number, or a table over "
-        "time, linear between its rows, that holds its first and last value",
+        "time, linear between its rows, that holds its first and last value; at t = 0 a line over "
+        "a floor that is tied to nothing else starts as a lay, or as it is taken up, with its far "
+        "end free or at an anchor on the floor",
         json_schema_extra=also(Quantity("m/s").json_schema()),
     )
     drum: Annotated[tuple[LineItem, ...], BeforeValidator(_wound)] = Field(
@@ -540,6 +559,34 @@ class SystemScene(Document):
             for word, end in zip(("beginning", "end"), self.lines[name].ends, strict=True)
             if end.anchor is not None or end.owner in self.vessels
         ]
+
+    def runs_alone(self, name: str) -> bool:
+        """Whether a winch runs at t = 0, over a sea floor within reach, and its line is tied to
+        nothing but its vessel's point and, it may be, an anchor on the floor."""
+        winch, floor = self.winches[name], self.environment.floor
+        line = self.lines[winch.line]
+        other = line.end if winch.at == "start" else line.start
+        branches = (end.line for each in self.lines.values() for end in each.ends)
+        if winch.rate_at_start == 0.0 or floor is None or winch.line in branches:
+            return False
+        if other.anchor is not None:
+            x, y, z = other.anchor
+            return z <= floor.height(x, y) + ON_FLOOR * line.length
+        end = line.end_at(winch.at)
+        return other.is_free and self._may_reach(floor, end, line.length)
+
+    def _may_reach(self, floor: Floor, end: LineEnd, length: float) -> bool:
+        """Whether a line may touch the floor that hangs from a vessel's point, however that is
+        turned."""
+        vessel = self.vessels.get(end.owner)
+        if vessel is None or end.of_owner not in vessel.points:
+            return False  # what is reported
+        x, y, z = vessel.position
+        arm = math.hypot(*vessel.points[end.of_owner])
+        slope, top = 0.0, float(np.max(floor.grid_z)) if floor.z is None else floor.height(x, y)
+        if floor.z is not None:
+            slope = math.hypot(*floor.slope)
+        return z - top - arm * (1.0 + slope) < length * math.hypot(1.0, slope)
 
     def _ties(self, line: str) -> set[str]:
         """Names of a line, and of the bodies and lines at its ends."""
@@ -689,9 +736,9 @@ class SystemScene(Document):
                 problem = "cable that runs past a clamp is not computed in a system"
                 yield SceneProblem(f"{path}.at", winch.at, problem, "an end without clamped")
             held = self.held_with(winch.line)
-            if winch.rate_at_start != 0.0 and len(held) > 1:
+            if winch.rate_at_start != 0.0 and len(held) > 1 and not self.runs_alone(name):
                 problem = f"what hangs on it is held at {' and '.join(held)}: nothing moves along"
-                allowed = "0 m/s at t = 0"
+                allowed = "0 m/s at t = 0, or a line that goes to an anchor on the floor alone"
                 yield SceneProblem(f"{path}.rate", winch.rate_at_start, problem, allowed)
             other = taken.setdefault((winch.line, winch.at), name)
             if other != name:
@@ -708,7 +755,7 @@ class SystemScene(Document):
                 if end.anchor is None:
                     continue
                 height = floor.height(end.anchor[0], end.anchor[1])
-                if end.anchor[2] < height - 1e-3 * line.length:
+                if end.anchor[2] < height - ON_FLOOR * line.length:
                     problem = "it lies below the sea floor"
                     allowed = f"z of at least {height:g} m there"
                     yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
@@ -718,6 +765,7 @@ class SystemScene(Document):
     ) -> Iterator[SceneProblem]:
         if end.point is not None:
             owner, point = end.owner, end.of_owner
+            used.add(owner)  # also where the point is not: that is told once
             places = self.vessels.get(owner) or self.bodies.get(owner)
             if places is None or point not in places.points:
                 points = [
@@ -729,7 +777,6 @@ class SystemScene(Document):
                 problem = f"{shown(end.point)} is no point of a vessel or body"
                 yield SceneProblem(path, end.point, problem, ", ".join(points) or "a point")
                 return
-            used.add(owner)
         if end.line is not None:
             other = self.lines.get(end.line)
             if other is None or end.line == name:

@@ -201,12 +201,11 @@ def names_of(run: Run, shapes: Shapes, bodies: Marks) -> Marks:
     return Marks("name", tuple(found), _stacked([*found.values()], shapes.time))
 
 
-def skeletons_of(run: Run, time: Floats, seen: Floats) -> Floats:
+def skeletons_of(run: Run, time: Floats, size: float) -> Floats:
     """Vessels and free bodies as lines (nt, n, 3) [m], with gaps (NaN): from the origin to every
-    point, and of bodies their axes, in proportion to what is seen (nt, n, 3) [m]."""
+    point, and of bodies their axes, in proportion to the size of what is seen [m]."""
     lines: list[Floats] = []
-    sides = np.nanmax(seen, axis=(0, 1)) - np.nanmin(seen, axis=(0, 1))
-    lengths = AXES_SIZE * float(np.max(sides)) * np.array(AXES)
+    lengths = AXES_SIZE * size * np.array(AXES)
     for kind in ("vessels", "bodies"):
         for part in parts_of(run, kind, time):
             ends = list(part.points.values())
@@ -215,6 +214,11 @@ def skeletons_of(run: Run, time: Floats, seen: Floats) -> Floats:
             for end in ends:
                 lines += [part.position, end, np.full_like(end, np.nan)]
     return _stacked(lines, time)
+
+
+def sides_of(seen: Floats) -> Floats:
+    """Extent of places (nt, n, k) along each of k axes [m]."""
+    return np.asarray(np.nanmax(seen, axis=(0, 1)) - np.nanmin(seen, axis=(0, 1)))
 
 
 def _stacked(columns: list[Floats], time: Floats) -> Floats:

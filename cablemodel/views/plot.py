@@ -22,6 +22,7 @@ from cablemodel.views.drawing import (
     has_states,
     held_of,
     names_of,
+    sides_of,
     skeletons_of,
     slack_spans,
     start_tensions,
@@ -233,9 +234,17 @@ class View:
                 names_of(run, shapes, bodies),
             )
         )  # fmt: skip
-        skeletons = self.seen(skeletons_of(run, self.time, self.shape))
+        skeletons = self.seen(skeletons_of(run, self.time, self._size()))
         found = [marks for marks in (bodies, touchdown) if marks.names]
         return Parts(held, found, skeletons, names)
+
+    def _size(self) -> float:
+        """Of what is drawn [m]: where axes have scales of their own, that of the shorter one, or
+        what is a little long along the other would span the picture along this."""
+        across, *up = sides_of(np.stack([*self.flat(self.shape, 2), self.shape[..., 1]], axis=-1))
+        shorter, longer = sorted((float(across), float(up[0])))
+        scaled = longer <= _WIDEST * shorter or shorter == 0.0
+        return max(longer, float(up[1])) if scaled else shorter
 
     @property
     def ups(self) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -450,6 +451,13 @@ def _libraries(names: tuple[str, ...], progress: Callable[[str], None]) -> dict[
         if (found := description(name)) is None or found["kernels"] != kernel_hash()
     ]
     if stale:
+        if find_spec("ziglang") is None:
+            rest = ",".join(name for name in names if name not in stale)
+            raise ExportError(
+                f"there is no library for {', '.join(stale)} that fits the kernels: "
+                "pip install 'cablemodel[fmu]' brings the compiler that makes them, once"
+                + (f"; or leave them out: --platform {rest}" if rest else "")
+            )
         try:
             from cablemodel_fmu.build import build
 
@@ -457,7 +465,7 @@ def _libraries(names: tuple[str, ...], progress: Callable[[str], None]) -> dict[
         except (ImportError, RuntimeError) as error:
             raise ExportError(
                 f"there is no library for {', '.join(stale)} that fits the kernels, and building "
-                f"one failed; `python -m cablemodel_fmu.build` needs the extra [fmu]: {error}"
+                f"one failed: {error}"
             ) from error
     found_files = {}
     for name in names:

@@ -79,8 +79,8 @@ def choices(scene: SystemScene, by: int) -> list[Signal]:
 
 def is_movable(scene: SystemScene) -> bool:
     """Whether vessels' starts may be set: friction holds bodies that stand on the sea floor where
-    the scene puts them, which the block does not know."""
-    return not standing(scene)
+    the scene puts them, which the block does not know, and what has been laid."""
+    return not standing(scene) and not any(scene.runs_alone(name) for name in scene.winches)
 
 
 def starts(scene: SystemScene) -> list[Signal]:

@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes" / "towed_cable.yaml"
 BREAKING = "environment.waves={regular: {height: 9, period: 5}}"
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension",
+    "time", "top_tension", "tip_position", "min_tension", "max_tension",
     "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
@@ -372,6 +372,26 @@ def test_check_says_what_a_scene_holds() -> None:
     assert "No warnings." in words
 
 
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        ("towed_cable", "static equilibrium"),
+        ("depressor_tow", "steady state at 2.058 m/s"),
+        ("cable_lay", "steady state at 1 m/s, with a pay-out of 1 m/s"),
+        ("whip", "given shape"),
+    ],
+)
+def test_check_says_what_the_start_is(scene: str, words: str) -> None:
+    result = invoke("check", ROOT / "scenes" / f"{scene}.yaml")
+    assert re.search(rf"│ start +│ {words} ", result.stdout), result.stdout
+
+
+def test_a_study_of_a_system_names_what_there_is() -> None:
+    result = invoke("convergence", ROOT / "scenes" / "systems" / "bridle_tow.yaml")
+    assert result.exit_code == 2
+    assert "allowed: cablemodel run SCENE --converge, or --error-estimate" in result.stderr
+
+
 def test_check_as_json() -> None:
     report = json.loads(invoke("check", SCENE, "--json").stdout)
     assert report["line_length"] == 30.0
@@ -396,6 +416,9 @@ def test_check_names_what_is_not_skipped() -> None:
     assert not any(item.startswith(("current", "the third")) for item in report["skipped"])
 
 
+ROPE = "{cable: {type: K, length: 30}}"
+
+
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
@@ -407,7 +430,41 @@ def test_check_names_what_is_not_skipped() -> None:
             "no effect",
         ),
         (["vessel.position=[0, 0, 5]"], "above z = 0"),
+        (
+            [f"line=[{ROPE}, {{body: {{mass: 9, submerged_weight: 40, drag_coefficient: 1}}}}]"],
+            "a body has a drag_coefficient, but no drag_area: it has no effect",
+        ),
+        (
+            [f"line=[{ROPE}, {{body: {{mass: 9, submerged_weight: 40, centre_offset: 0.5}}}}]"],
+            "a body has a centre_offset, but no half_length: it has no effect",
+        ),
+        (
+            [
+                "vessel={path: [{straight: {duration: 9, speed: 0}}], interpolation: cubic}",
+            ],
+            "vessel.interpolation is between rows of velocity: a path is as it is",
+        ),
+        (
+            [
+                "environment.current={table: [{z: 0, velocity: [1, 0, 0]}, "
+                "{z: 50, velocity: [0, 0, 0]}]}"
+            ],
+            "up to z = 50 m: z is up, and a depth of 50 m has z = -50",
+        ),
+        (["cable_types.K.drag_tangential=1.2"], "a coefficient on the diameter is to be divided"),
+        (["cable_types.K.submerged_weight=0.238"], "or 2.333 N/m; kgf/m need their unit"),
+        (
+            [
+                "vessel.velocity=[{t: 0, velocity: [0, 0, 0.1]}, {t: 2, velocity: [0, 0, -0.1]}, "
+                "{t: 4, velocity: [0, 0, 0.1]}]"
+            ],
+            "velocity ends at 4 s, run.duration is 200 s: from then on it goes on at 0.1 m/s",
+        ),
         (["cable_types.K.mass=100 t/km"], "density of"),
+        (
+            ["cable_types.K.mass=100 t/km", "cable_types.K.bending_stiffness=0"],
+            "Of chain it is that of its volume, 1.8 times the bar's.",
+        ),
         (["environment.water_density=1.025"], "t/m3 need their unit: 1.025 t/m3"),
         (["environment.water_density=0.998"], "t/m3 need their unit: 0.998 t/m3"),
         (["cable_types.K.submerged_weight=5"], "cable type K is heavier in water (5 N/m) than in"),
@@ -569,6 +626,10 @@ def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> 
     result = invoke("check", scene)
     assert result.exit_code == 1
     assert "are its diameter (80 m)" in " ".join(result.stdout.split())
+    assert "no static equilibrium" in result.stderr
+    result = invoke("run", scene)
+    assert result.exit_code == 1
+    assert "cablemodel: warning: cable type power has a density" in result.stderr
     assert "no static equilibrium" in result.stderr
 
 
@@ -855,4 +916,4 @@ def test_checks_see_lines_of_a_system_that_are_too_short_or_in_the_air(tmp_path:
     scene["vessels"]["ship"]["points"]["eye"] = [0, 0, 0]
     path.write_text(json.dumps(scene))
     words = invoke("check", path).output
-    assert "warning" not in words
+    assert "warning:" not in words

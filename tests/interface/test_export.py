@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -151,8 +152,34 @@ def test_statistics_of_a_run(log: Path) -> None:
     assert 1.0 <= found["top_tension"].extremes.time_of_minimum <= 8.0
     assert "bodies[1].position.z" in found
     assert "time" not in found
-    with pytest.raises(ValueError, match="no outputs from 20 to 30 s"):
+    ends = "the run is from 0 to 10 s"
+    with pytest.raises(ValueError, match=f"no outputs from 20 to 30 s; {ends}"):
         statistics(run, after=20.0, before=30.0)
+    with pytest.raises(ValueError, match=f"no outputs after 20 s; {ends}"):
+        statistics(run, after=20.0)
+
+
+def test_statistics_do_without_what_counts_cycles(
+    log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unless fatigue is asked for."""
+    monkeypatch.setitem(sys.modules, "rainflow", None)
+    result = invoke("stats", log)
+    assert result.exit_code == 0, result.output
+    assert "peak period" in result.stdout
+    assert "no cycles: counting cycles needs the package rainflow: pip install" in result.stdout
+    assert json.loads(invoke("stats", log, "--json").stdout)["fatigue"] is None
+    assert invoke("stats", log, "--intercept", "1e6").exit_code == 1
+
+
+def test_statistics_tell_numbers_of_bodies_by_name_and_leave_rounding_out(log: Path) -> None:
+    run = cm.open_run(log)
+    names = [body.name or "" for body in run.scene.bodies]
+    assert run.scene.body_names(len(names)) == names
+    assert run.scene.body_names(1) == names[-1:]
+    words = invoke("stats", log).stdout
+    for number, name in enumerate(names):
+        assert (f"bodies[{number}]: {name}" in words) == bool(name)
 
 
 def test_the_stats_command(log: Path) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy import read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmu_tools import Slave, sealed, unpacked
 from typer.testing import CliRunner
@@ -26,6 +27,7 @@ from cablemodel_fmu.export import ExportError, contents_of, export_fmu
 from cablemodel_fmu.export import Options as ExportOptions
 
 STATIONS = 5
+JOBS = Path(__file__).parents[2] / "docs" / "jobs"
 SCENES = sorted((Path(__file__).parents[2] / "scenes" / "systems").glob("*.yaml"))
 
 
@@ -326,6 +328,28 @@ def test_a_winch_that_runs_from_the_start(tmp_path: Path) -> None:
             assert_same_bits(slave, model)
         assert slave.get("load.velocity[3]") == pytest.approx(-0.2, abs=0.02)
         slave.close()
+
+
+def test_a_lay_from_an_anchor_beside_a_line_that_hangs(tmp_path: Path) -> None:
+    """From the steady state of its line alone; its ship begins nowhere else."""
+    scene = cm.load_system(JOBS / "lay_from_anchor.yaml")
+    with unpacked(scene, tmp_path, stations=STATIONS) as (place, description):
+        start = next(v for v in description.modelVariables if v.name == "ship.start_position[1]")
+        assert float(start.min) == float(start.max) == 0.0
+        slave = Slave(place, description, use_scene_inputs=True)
+        model = SystemModel(scene)
+        assert_same_bits(slave, model)
+        for dt in (0.1, 1.9, 8.0, 50.0):
+            slave.step(dt)
+            model.step(dt)
+            assert_same_bits(slave, model)
+        assert slave.get("engine.rate") == pytest.approx(2.02 * 1852.0 / 3600.0)
+        slave.close()
+        early = Slave(place, description, begin=False)
+        with pytest.raises(FMICallException):
+            early.set("ship.start_position[1]", 1.0)
+        assert "what was laid" in early.messages[-1][1]
+        early.close()
 
 
 def test_cables_and_a_body_on_a_drum(tmp_path: Path) -> None:

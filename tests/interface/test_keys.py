@@ -53,6 +53,8 @@ def test_keys_come_with_unit_default_and_meaning() -> None:
         ("vessel.position", "vessel.position: has no keys of its own: list of 3 numbers: position"),
         ("vessel.position.x", "vessel.position: has no keys of its own"),
         ("line.0.bdy", "line.bdy: 'bdy' is no key there"),
+        ("body", "body: 'body' is no key there, it is one of line and of payout.drum; allowed:"),
+        ("drag_normal", "'drag_normal' is no key there, it is one of cable_types; allowed: title"),
     ],
 )
 def test_what_is_no_part_is_told_by_its_place(path: str, words: str) -> None:

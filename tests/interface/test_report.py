@@ -155,6 +155,31 @@ def test_extremes_are_those_of_all_outputs(towed: Path) -> None:
     assert "at t = 30 s, s = 0 m" in text
 
 
+def test_bodies_are_called_by_their_names(
+    tmp_path: Path, full_scene: Any, swinging_cable: Any
+) -> None:
+    """Else by their number."""
+    data = full_scene.to_dict()
+    bodies = [item["body"] for item in data["line"] if "body" in item]
+    for body in bodies:
+        body.pop("name", None)
+    bodies[0]["name"] = "sonar"
+    scene = cm.load_scene(data)
+    path = tmp_path / "named.mcap"
+    cm.simulate(scene, log=path, model=swinging_cable(scene))
+    text = made(path).read_text(encoding="utf-8")
+    assert "sonar, z" in text
+    assert "body 1 from the vessel, z" not in text
+    assert "body 2 from the vessel, z" in text
+
+
+def test_what_never_moves_has_no_chart_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "still.mcap"
+    scene = cm.load_scene(ROOT / "scenes" / "towed_cable.yaml", ["vessel.velocity=[0, 0, 0]"])
+    cm.simulate(scene, until=1.0, log=path)
+    assert "inputs" not in figures_of(data_of(made(path)))
+
+
 def test_times_at_which_a_line_was_slack_are_told_and_shaded(everything: Path) -> None:
     """Half of every second, of which there are outputs at the end of each tenth."""
     run, page = cm.open_run(everything), made(everything)

@@ -20,7 +20,7 @@ from cablemodel.results.simulate import Progress
 from cablemodel.scene import Scene, load_scene
 
 SUMMARY = [
-    "time", "top_tension", "tip_position", "min_tension",
+    "time", "top_tension", "tip_position", "min_tension", "max_tension",
     "slack_time", "slack_longest", "slack_start", "slack_end", "max_curvature",
     "wall_time", "steps", "rejected", "factorisations", "elements",
 ]  # fmt: skip
@@ -117,6 +117,7 @@ def test_the_summary_has_the_promised_keys(log: Path) -> None:
     assert summary["top_tension"] == run.top_tension[-1]
     assert summary["tip_position"] == run.tip_position[-1].tolist()
     assert summary["min_tension"] == run.tension_min.min()
+    assert summary["max_tension"] == run["tension_max"].max()
     assert summary["max_curvature"] == run.states.curvature.max()
     assert summary["steps"] == 34
     assert summary["factorisations"] == 2
@@ -210,8 +211,11 @@ def test_bodies_may_come_off_the_drum(
 def test_an_unknown_output_names_those_that_exist(simple_scene: Scene, swinging_cable: Any) -> None:
     run = cm.simulate(simple_scene, model=swinging_cable(simple_scene))
     for name in ("colour", "floor_force", "state.position"):
+        assert name not in run
         with pytest.raises(KeyError, match="top_tension"):
             run[name]
+    assert list(run) == list(run.names)
+    assert "top_tension" in run
 
 
 def test_outputs_at_other_times_than_states(

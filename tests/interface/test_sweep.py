@@ -1,6 +1,7 @@
 """Sweeps: every combination is run, failures are rows, what has ended survives an interruption."""
 
 import math
+import re
 import subprocess
 import sys
 import time
@@ -48,6 +49,8 @@ def command(*arguments: str | Path) -> Result:
         ("a=hybrid,cable", Axis("a", ("hybrid", "cable"))),
         ("a=[0, 1],[2, 3]", Axis("a", ([0, 1], [2, 3]))),
         ("a=2 kn, 1 m", Axis("a", ("2 kn", "1 m"))),
+        ("a=1e-4 m,2e-4 m", Axis("a", (1e-4, 2e-4), "m")),
+        ("a=2 s-1, 1", Axis("a", ("2 s-1", 1))),
     ],
 )
 def test_values_are_a_range_or_a_list(text: str, axis: Axis) -> None:
@@ -63,7 +66,9 @@ def test_values_are_a_range_or_a_list(text: str, axis: Axis) -> None:
         ("a=0:1:0.1", "0.1 is no number of values"),
         ("a=0:1:1", "a count from 2"),
         ("a=1 m:20 cm:3", "have not the same unit"),
-        ("a=[1,", "expected"),
+        ("a=[1,", "is not closed"),
+        ("a=200-400", "a: '200-400' says not how many; allowed: path=start:stop:count or path="),
+        ("a=10 mm:30 mm", "says not how many"),
     ],
 )
 def test_what_is_neither_is_said(text: str, words: str) -> None:
@@ -102,6 +107,9 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path: Path) -> None:
     assert table[f"{DIAMETER} [mm]"].tolist() == [10.0, 10.0, 20.0, 20.0, 30.0, 30.0]
     assert table["error"].tolist() == [""] * 6
     assert "6 runs, 0 failed" in result.stdout
+    words = " ".join(result.stdout.split())
+    assert f"{DIAMETER} [mm] line.0.cable.model" in words
+    assert re.search(r" 20 +cable +[\d.,]+ ", result.stdout), result.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -121,6 +122,20 @@ def test_a_figure_shows_every_line_body_and_vessel(run: SystemRun) -> None:
     assert key[-3:-1] == ["body", "point of a vessel"]
 
 
+@pytest.mark.parametrize(
+    ("corner", "size"),
+    [((500.0, 0.0, 300.0), 500.0), ((80.0, 0.0, 500.0), 80.0), ((0.0, 0.0, 500.0), 500.0)],
+)
+def test_axes_of_bodies_fit_a_picture_that_is_not_to_scale(
+    run: SystemRun, corner: tuple[float, ...], size: float
+) -> None:
+    from cablemodel.views.plot import View
+
+    view = View.of(run)
+    shape = np.array([[(0.0, 0.0, 0.0), corner]])
+    assert replace(view, shape=shape, along=np.array([1.0, 0.0]))._size() == size
+
+
 def test_the_commands_draw_and_film_a_system(log: Path, tmp_path: Path) -> None:
     from PIL import Image
 
@@ -177,6 +192,30 @@ def test_the_report_holds_all_lines(log: Path, run: SystemRun) -> None:
     assert np.nansum(inputs["knife cut"]["y"]) == 1.0
     assert inputs["knife cut"]["mode"] == "lines+markers"
     assert inputs["tug y"]["mode"] == "lines"
+
+
+def test_the_report_tells_what_a_winch_pays_out(tmp_path: Path) -> None:
+    wire = {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}
+    log = tmp_path / "lowered.mcap"
+    scene = {
+        "cable_types": {"wire": wire},
+        "vessels": {"ship": {"points": {"crane": [0, 0, 0]}}},
+        "lines": {
+            "fall": {
+                "from": "ship.crane", "to": "free",
+                "items": [
+                    {"cable": {"type": "wire", "length": 20}},
+                    {"body": {"mass": 100, "submerged_weight": 900, "drag_area": 0.1}},
+                ],
+            },
+        },
+        "winches": {"crane": {"line": "fall", "drum": 10, "rate": 0.5}},
+        "run": {"duration": 4},
+    }  # fmt: skip
+    cm.simulate(scene, log=log)
+    invoke("report", log)
+    page = log.with_suffix(".html").read_text(encoding="utf-8")
+    assert "fall: 20 m of wire at the start, 22 m at the end · " in page
 
 
 def test_the_shape_of_the_report_moves_every_part(log: Path, run: SystemRun) -> None:

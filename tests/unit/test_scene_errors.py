@@ -29,6 +29,35 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("enviroment={}", "enviroment", "did you mean environment?"),
         ("zzz=1", "zzz", "unknown key"),
         ("end={anchr: [0, 0, 0]}", "end.anchr", "did you mean anchor?"),
+        # words of other programs and of the trade
+        ("cable_types.K.EA=1 MN", "cable_types.K.EA", "did you mean axial_stiffness?"),
+        ("cable_types.K.Diam=1", "cable_types.K.Diam", "did you mean diameter?"),
+        ("cable_types.K.CdAx=1", "cable_types.K.CdAx", "did you mean drag_tangential?"),
+        ("environment.depth=50", "environment.depth", "did you mean floor: {z: -DEPTH}?"),
+        ("run.dt=0.1", "run.dt", "did you mean output_interval (steps are chosen by the"),
+        ("winch={}", "winch", "did you mean payout?"),
+        ("vessel.speed=5 kn", "vessel.speed", "did you mean velocity: [x, y, z], or path"),
+        # keys at a wrong place
+        ("line.0.length=5", "line.0.length", "it belongs in line.0.cable; allowed: cable, body"),
+        ("floor={z: -5}", "floor", "unknown key, it belongs in environment; allowed: title"),
+        ("vessel.payout={}", "vessel.payout", "unknown key, a key of the scene itself; allowed"),
+        ("vessel.tolerance=1", "vessel.tolerance", "a key of solver; allowed: position"),
+        (
+            "environment.waves={hs: 2, tp: 8}",
+            "environment.waves.hs",
+            "it belongs in environment.waves.jonswap; allowed: regular",
+        ),
+        (
+            "environment.waves={direction: 1}",
+            "environment.waves.direction",
+            "jonswap or environment.waves.components; allowed: regular",
+        ),
+        # what is missing
+        (
+            "line.0.cable={type: K}",
+            "line.0.cable.length",
+            "is missing: unstretched length; allowed",
+        ),
         # wrong kinds of value
         ("line={cable: 3}", "line", "a list of mappings with the keys cable, body"),
         ("line.0.cable.length=true", "line.0.cable.length", "True is not a number"),
@@ -48,6 +77,12 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("cable_types={5: {}}", "cable_types.5", "not a name"),
         # units
         ("line.0.cable.length=5 kg", "line.0.cable.length", "cannot be converted to m"),
+        ("run.duration=5 m", "run.duration", "to s: m is the metre, min the minute; allowed"),
+        (
+            "cable_types.K.axial_stiffness=5 kn",
+            "cable_types.K.axial_stiffness",
+            "kN the kilonewton",
+        ),
         ("line.0.cable.length=5 parsecs/s", "line.0.cable.length", "cannot be converted"),
         ("line.0.cable.length=5 foo", "line.0.cable.length", "unknown unit 'foo'"),
         ("line.0.cable.length=5 m m", "line.0.cable.length", "cannot be converted"),
@@ -71,8 +106,8 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("solver.tolerance=0", "solver.tolerance", "above 0 and below 1"),
         ("run.duration=0", "run.duration", "above 0 in s"),
         # strain law
-        ("cable_types.K.tension_strain=[1e-6]", "cable_types.K", "either axial_stiffness or"),
-        ("cable_types.K.axial_stiffness=null", "cable_types.K", "either axial_stiffness or"),
+        ("cable_types.K.tension_strain=[1e-6]", "cable_types.K", "both axial_stiffness and"),
+        ("cable_types.K.axial_stiffness=null", "cable_types.K", "neither axial_stiffness nor"),
         # the line
         ("line=[]", "line", "no cable in the line"),
         ("line=[{}]", "line.0", "either cable or body"),
@@ -100,7 +135,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         (
             "vessel.velocity=3 m/s",
             "vessel.velocity",
-            "'3 m/s' is a text; allowed: a vector, a list",
+            "'3 m/s' is no vector; allowed: a vector [x, y, z] in m/s, as [5 kn, 0, 0], a list",
         ),
         (
             "environment.current=100",
@@ -108,11 +143,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
             "100 is no current; allowed: none, a list of numbers [x, y, z] in m/s, or a mapping",
         ),
         ("environment.current=1 m/s", "environment.current", "or a mapping with the key table"),
-        (
-            "vessel.velocity=0.5",
-            "vessel.velocity",
-            "keys t, velocity (velocity of the tow point: one vector",
-        ),
+        ("vessel.velocity=0.5", "vessel.velocity", "0.5 is no vector; allowed: a vector [x, y, z]"),
         ("vessel.velocity={file: none.csv}", "vessel.velocity.file", "there is no file"),
         ("vessel.velocity={fil: none.csv}", "vessel.velocity", "{file: NAME}"),
         ("payout.rate=[{t: 1, rate: 0}, {t: 1, rate: 1}]", "payout.rate.1.t", "twice the same t"),
@@ -260,6 +291,12 @@ def test_the_value_is_the_one_in_the_file() -> None:
     ("text", "words"),
     [
         ("line: [1\nx: 2", "line 2"),
+        ("line: [1,\n  {a: 1\n", "the { of line 2, column 3, is not closed before this"),
+        ("line:\n  - a: 1\n    cable: 2\n   b: 3\n", "line 4, column 4: this does not go on with"),
+        ("a: b: c\n", "line 1, column 5: a ':' that cannot stand here"),
+        ("a: 1\nb\nc: 2\n", "no ':' after the key of line 2, column 1"),
+        ("a: %x\n", "'%' cannot begin a value; allowed: such text in quotes"),
+        ('a: "x\n', "the quote of line 1, column 4, is not closed"),
         ("line:\n\t- x: 2\n", "line 2, column 1: a tab; allowed: spaces"),
         ("a: 1\na: 2\n", "'a' is there twice"),
         ("line:\n  - cable: {type: K, type: L}\n", "'type' is there twice"),

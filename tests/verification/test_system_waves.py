@@ -450,7 +450,7 @@ def test_a_line_in_waves_is_that_of_a_scene_of_one_line() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"submerged_weight": 1.0}, r"bodies\.buoy.*exactly one of submerged_weight and hull"),
+        ({"submerged_weight": 1.0}, r"bodies\.buoy.*both submerged_weight and hull are given"),
         ({"hull": {"diameter": -1.0}}, r"bodies\.buoy\.hull\.diameter"),
     ],
 )

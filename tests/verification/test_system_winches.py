@@ -339,7 +339,8 @@ def test_what_hangs_on_a_winch_that_runs_moves_along(way: str, rate: float) -> N
 
 
 def test_a_winch_does_not_run_from_the_start_where_what_hangs_is_held() -> None:
-    """Through a body, or at a branch; by an empty drum, or on the floor, neither."""
+    """Through a body, or at a branch; by an empty drum neither, nor while a body at its end lies on
+    the floor."""
     scene = hoisting("down", 0.3)
     scene["lines"]["sling"]["to"] = {"anchor": [5, 0, -75]}
     scene["lines"]["sling"]["items"] = scene["lines"]["sling"]["items"][:1]
@@ -356,11 +357,10 @@ def test_a_winch_does_not_run_from_the_start_where_what_hangs_is_held() -> None:
     empty = hoisting("down", 0.3)
     empty["winches"]["main"]["drum"] = 0.0
     assert cm.load_system(empty).winches["main"].rate_at_start == 0.0
-    laid = towed("down")
-    laid["winches"]["main"]["rate"] = 0.3
-    laid["environment"] = {"floor": {"z": -40.0, "friction": 0.3}}
-    with pytest.raises(SceneError, match="touches the sea floor"):
-        SystemModel(laid)
+    stands = hoisting("down", 0.3)
+    stands["environment"]["floor"] = {"z": -40.0, "friction": 0.3}
+    with pytest.raises(SceneError, match="touches the sea floor, and hoist is tied to more"):
+        SystemModel(stands)
 
 
 def test_two_winches_at_one_end() -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
+import cablemodel as cm
 from tests.verification.references.jobs import KNOT
 from tests.verification.references.lays import LIGHT, independent, lay_angle
-from validation.jobs.book import Answer, Result, job, model, picture, scene, shape
+from validation.jobs.book import FOLDER, Answer, Result, job, model, picture, scene, shape
 from validation.jobs.towing import kinds
 
 
@@ -34,6 +35,38 @@ def lay_with_slack() -> Result:
     ]
     series = {"cablemodel": (times, tops), "independent": ([0, 120], [top, top])}
     return answers, picture(shapes, series, ("time [s]", "top tension [N]"))
+
+
+@job
+def lay_from_anchor() -> Result:
+    """Zajac's differential equation from the floor up to the chute."""
+    ours = cm.SystemModel(FOLDER / "lay_from_anchor.yaml")
+    cable, rate = ours.lines["cable"], 2.02 * KNOT
+    chute = float(cable.sample([0.0]).position[0, 2])
+    top, _length = independent(LIGHT, 2.0, rate, 0.0, 200.0 + chute, straight=True)
+    _, angle = lay_angle(LIGHT, 2.0 * KNOT)
+    shapes = {"at 0 s": shape(cable)}
+    start = shapes["at 0 s"]
+    way = start[0] - start[20]
+    slope = np.degrees(np.arctan2(way[2], way[0]))
+    laid, times, tops = cable.on_floor.floor_length, [0.0], [cable.start_tension]
+    for k in range(1, 25):
+        ours.step_to(5.0 * k)
+        times.append(ours.time)
+        tops.append(cable.start_tension)
+    shapes["at 120 s"] = shape(cable)
+    more = cable.on_floor.floor_length - laid
+    answers = [
+        Answer("angle to the horizontal", float(slope), float(np.degrees(angle)), "deg", 0.1),
+        Answer("tension at the start", tops[0], top, "N", 0.01 * top),
+        Answer("tension at 120 s", tops[-1], top, "N", 0.01 * top),
+        Answer("cable laid in 120 s", more, 120.0 * rate, "m", 2.0),
+    ]
+    series = {"cablemodel": (times, tops), "independent": ([0, 120], [top, top])}
+    shown = dict(reversed(shapes.items()))
+    figure = picture(shown, series, ("time [s]", "tension at the chute [N]"), (0, 1))
+    figure.axes[1].set_ylim(0.0, 1.2 * top)
+    return answers, figure
 
 
 def pressed_by_meanders(bending: float, rubs: float, slack: float) -> tuple[float, float]:

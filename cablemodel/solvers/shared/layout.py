@@ -295,7 +295,7 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
-    flexible = real("1: cable without bending stiffness")
+    flexible = real("1: cable without bending stiffness; LAID_SLACK: of a lay in a system")
     bears = real("pressure that it bears before it bends aside within the element", "N")
     yields = real("stiffness beyond; 0: it never does", "N")
     pulled = real("1: something pulls it taut, at both ends or beyond")
@@ -310,6 +310,7 @@ class Edge(Record):
 
 
 EDGE_WORDS = Edge.WORDS
+LAID_SLACK = 2  # `flexible`
 MODEL_ELASTICA, MODEL_CABLE, MODEL_HYBRID = 0, 1, 2
 
 # What ties a node to its parent (`joint`).

@@ -249,15 +249,15 @@ def _style(k: int) -> dict[str, Any]:
 
 
 _INPUTS = (
-    ("vessel_velocity", "tow point [m/s]", ("x, east", "y, north", "z, up"), True),
-    ("payout_rate", "pay-out [m/s]", ("pay-out",), False),
-    ("current", "current [m/s]", ("current x", "current y", "current z"), False),
+    ("vessel_velocity", "tow point [m/s]", ("x, east", "y, north", "z, up")),
+    ("payout_rate", "pay-out [m/s]", ("pay-out",)),
+    ("current", "current [m/s]", ("current x", "current y", "current z")),
 )
-"""Name, label, names of the components, and whether to show it when it is zero throughout."""
+"""Name, label, names of the components."""
 
 
 def inputs(run: Run, seconds: float, hours: str) -> Figure | None:
-    """What the steps applied: motion of the tow point, and pay-out and current where there are
+    """What the steps applied: motion of the tow point, pay-out and current where there are
     any; of a system how its vessels move, and all that was given. None when the run has no steps,
     or there is nothing of it."""
     if not len(run.applied_inputs["time"]):
@@ -291,15 +291,13 @@ _Row = tuple[str, list[tuple[str, Floats]], Floats]
 
 def _inputs_of_line(run: Run) -> Iterator[_Row]:
     applied = run.applied_inputs
-    for name, label, parts, always in _INPUTS:
+    for name, label, parts in _INPUTS:
         keys = [name] if len(parts) == 1 else [f"{name}.{axis}" for axis in "xyz"]
         pairs = [
             (part, applied[key])
             for part, key in zip(parts, keys, strict=True)
             if _any(applied[key])
         ]
-        if not pairs and always:
-            pairs = [(parts[0], applied[keys[0]])]
         yield label, pairs, applied["time"]
 
 

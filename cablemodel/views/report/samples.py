@@ -18,6 +18,7 @@ from cablemodel.views.drawing import (
     held_of,
     names_of,
     nearest,
+    sides_of,
     skeletons_of,
     stations_of,
 )
@@ -68,7 +69,7 @@ class Frames:
             held_of(run, shapes),
             bodies,
             names_of(run, shapes, bodies),
-            skeletons_of(run, shapes.time, seen),
+            skeletons_of(run, shapes.time, float(np.max(sides_of(seen)))),
         )
 
     @property

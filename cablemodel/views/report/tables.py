@@ -192,6 +192,8 @@ def extremes(run: Run, alongs: dict[str, Along], newtons: float, unit: str) -> l
             ("bending moment", "N m", along.bending_moment, 1.0),
         ):
             low, high = field.lowest, field.highest
+            if field is along.bending_moment and low.value == high.value == 0.0:
+                continue  # nothing has been stiff: a hybrid bends where it is slack, or lies
             scale = max(abs(low.value), abs(high.value)) / divide
             rows.append(
                 Row(
@@ -215,8 +217,9 @@ def _line_rows(run: Run) -> _Values:
     yield "speed of the far end", "m/s", np.linalg.norm(run["tip_velocity"], axis=-1)
     if "bodies.position" in run.names:
         places = run["bodies.position"]
-        for body in range(places.shape[1]):
-            yield f"body {body + 1} from the vessel, z", "m", places[:, body, 2]
+        names = run.scene.body_names(places.shape[1])
+        for body, name in enumerate(names):
+            yield f"{name or f'body {body + 1} from the vessel'}, z", "m", places[:, body, 2]
     for name, label in (("line_length", "cable out"), ("floor_length", "length on the floor")):
         if name in run.names and np.ptp(run[name]) > 0.0:
             yield label, "m", run[name]
@@ -299,7 +302,9 @@ def _parts_of_system(run: SystemRun) -> Iterator[str]:
     scene = run.scene
     for name, line in scene.lines.items():
         types = _joined([item.cable.type for item in line.items if item.cable is not None])
-        yield f"{name}: {place(line.length)} m of {types}"
+        out = next((winch for winch, own in scene.winches.items() if own.line == name), None)
+        ends = run[f"{out}.line_length"][[0, -1]] if out is not None else [line.length] * 2
+        yield f"{name}: {place(line.length)} m of {types}{_paid_out(*ends)}"
     for kind, word in (("bodies", "body"), ("vessels", "vessel")):
         for name in getattr(scene, kind):
             yield f"{word} {name}"
@@ -310,14 +315,15 @@ def _parts_of_line(run: Run) -> Iterator[str]:
     cables = [item.cable for item in scene.line if item.cable is not None]
     bodies = sum(item.body is not None for item in scene.line)
     length = f"{place(scene.line_length)} m of {_joined([cable.type for cable in cables])}"
-    at_end = place(run["line_length"][-1])
-    if at_end != place(run["line_length"][0]):
-        # Cable was paid out, or reeled in.
-        length += f" at the start, {at_end} m at the end"
-    yield length
+    yield length + _paid_out(*run["line_length"][[0, -1]])
     if bodies:
         yield "one body" if bodies == 1 else f"{bodies} bodies"
     yield f"far end {'anchored' if scene.end.kind == 'anchor' else 'free'}"
+
+
+def _paid_out(start: float, end: float) -> str:
+    """What follows a length [m] where cable is paid out, or reeled in."""
+    return "" if place(start) == place(end) else f" at the start, {place(end)} m at the end"
 
 
 def _joined(names: list[str]) -> str:

@@ -331,7 +331,7 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
         if (cable->now.phase == STEPPING)
             return "a start is fixed: set it before the end of the initialization";
         if (!(cable->flags & FLAG_MOVABLE) && value != row->start)
-            return "friction holds bodies on the sea floor at this start: export the scene with another";
+            return "friction holds bodies, or what was laid, at this start: export the scene with another";
     } else if (part_input(cable, vr) == NULL) {
         const int known = vr >= VR_SYSTEM_OUTPUT && vr - VR_SYSTEM_OUTPUT < cable->system->outputs;
         return known ? "an output cannot be set" : "unknown value reference";

@@ -562,14 +562,14 @@ const char *settle_system(Cable *cable) {
         moved |= is_changed(cable, n) && is_used(cable, n);
     }
     if (!changed && tuned == NULL) return NULL;
-    const char *problem = unsteady(cable);
-    if (problem != NULL) return problem;
     if (tuned != NULL && !(cable->flags & FLAG_MOVABLE)) {
         snprintf(cable->message, sizeof cable->message,
-                 "%s is not the scene's %g: friction holds bodies at this start; export the scene with it, or "
-                 "set it after the initialization", tuned->name, tuned->start);
+                 "%s is not the scene's %g: friction holds bodies, or what was laid, at this start; export the scene "
+                 "with it, or set it after the initialization", tuned->name, tuned->start);
         return cable->message;
     }
+    const char *problem = unsteady(cable);
+    if (problem != NULL) return problem;
     if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
         move_origin(cable, way);
         return NULL;

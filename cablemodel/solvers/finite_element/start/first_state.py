@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.errors import SceneError, StaticsError
+from cablemodel.errors import StaticsError
 from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import azimuth as heading
@@ -57,12 +57,7 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
         entry.tension_from_stretch(ints, reals)
     else:
         if scene.end.kind == "anchor" and np.linalg.norm(frame) > AT_REST:
-            raise SceneError.at(
-                "initial",
-                "static",
-                "an anchored cable has no steady state while the vessel moves",
-                "a vessel at rest at t = 0, or initial: {points: [...]}",
-            )
+            laid_loads.check_steady(scene)
         try:
             solve_static(block, scene, frame, strategy)
             if _is_crushed(block, scene):
@@ -139,11 +134,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
     Raises:
         StaticsError: none was found.
     """
-    from cablemodel.solvers import library as entry
-
-    ints, reals = block.ints, block.reals
-    head = Header(ints)
-    state = Scalars(reals)
+    head = Header(block.ints)
+    state = Scalars(block.reals)
     held = head.constraint_count > 1
     friction = state.friction
 
@@ -211,11 +203,20 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
             f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
             f"{why}{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
         )
-    # The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
-    # it the force at the top would hold the inertia of a piece as long as the mesh makes it.
-    words = int(head.nodes), 2 * int(head.dimension)
+    hold_supports(block)
+
+
+def hold_supports(block: Block) -> None:
+    """Supports of a block at rest, where they are at t = 0.
+
+    The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
+    it the force at the top would hold the inertia of a piece as long as the mesh makes it.
+    """
+    from cablemodel.solvers import library as entry
+
+    words = int(block.header.nodes), 2 * int(block.header.dimension)
     acceleration = block.array(Header.acceleration, *words).copy()
-    entry.place_supports(ints, reals)
+    entry.place_supports(block.ints, block.reals)
     block.array(Header.acceleration, *words)[:] = acceleration
 
 

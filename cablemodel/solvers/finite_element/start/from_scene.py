@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,11 +16,12 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import (
     DrawnStartWarning,
+    SceneError,
     StaticsError,
     SweptStartWarning,
     TautLayWarning,
 )
-from cablemodel.scene.line import Initial
+from cablemodel.scene.line import End, Initial
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.mesh import line_nodes
@@ -55,6 +57,7 @@ from cablemodel.solvers.finite_element.start.refinement import (
     halved,
     refine_touchdown,
     refined,
+    shape_of,
     spare_nodes,
 )
 from cablemodel.solvers.finite_element.start.refusals import refuse_unsupported
@@ -77,20 +80,30 @@ DRAWN = 0.01
 """Of the largest tension: more where a lay lands is said."""
 
 
-def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Block:
+def build(
+    scene: Scene,
+    *,
+    planar: bool | None = None,
+    room: float = 1.0,
+    near: FloatArray | None = None,
+) -> Block:
     """A block at the scene's initial state, t = 0.
 
     ``planar``: False forces three dimensions; None and True choose a vertical plane where the
     scene lies in one. ``room``: lengths of line and drum for which there is room, in units of the
-    scene's. A static start refines the mesh until its shape is accurate.
+    scene's. ``near``: a polyline (n, 3) [m] from which a static start is sought first. A static
+    start refines the mesh until its shape is accurate.
 
     Raises SceneError (not supported, inconsistent), StaticsError (no equilibrium found, or not
     within `solver.start_time_limit`).
     """
     refuse_unsupported(scene)
     first: StaticsError | None = None
+    if near is None and scene.rate_at_start > 0.0 and _is_held_under_way(scene):
+        near = _near_the_lay(scene, planar)
     with searching(scene) as search:
-        for strategy in _strategies(scene):
+        nearest = [] if near is None else [Strategy(points=near)]
+        for strategy in itertools.chain(nearest, _strategies(scene)):
             sought = (
                 scene if strategy.points is None and not scene.starts_steady else _steady(scene)
             )
@@ -105,6 +118,8 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                     warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
                 flexible = any(is_flexible(sought, cable) for cable in sought.cables)
                 found.header.lays_slack = int(flexible and laid_loads.lays_slack(sought))
+                if _is_held_under_way(scene):
+                    _refuse_what_pushes(found, scene)
                 _unfold(found, scene, planar)
                 return found
             except OutOfTimeError:
@@ -115,6 +130,46 @@ def build(scene: Scene, *, planar: bool | None = None, room: float = 1.0) -> Blo
                     first = first or problem
     assert first is not None
     raise first
+
+
+def _is_held_under_way(scene: Scene) -> bool:
+    """Whether a static start is asked for of a line to an anchor while its vessel moves."""
+    moves = bool(np.any(laid_loads.lay_motion(scene)[0]))
+    return scene.starts_at_rest and scene.end.kind == "anchor" and moves
+
+
+def _near_the_lay(scene: Scene, planar: bool | None) -> FloatArray | None:
+    """A first shape of a lay to an anchor, from that with a free end (n, 3) [m]; None: there is no
+    such lay."""
+    laid_loads.check_steady(scene)
+    free = scene.model_copy(update={"end": End.model_validate("free")})
+    with contextlib.suppress(StaticsError):
+        return drawn_to(build(free, planar=planar), np.asarray(scene.end.position))
+    return None
+
+
+def drawn_to(block: Block, anchor: FloatArray) -> FloatArray:
+    """The shape of a line, drawn to an anchor (3,) by more and more of it, (n, 3) [m]."""
+    points, arcs = shape_of(block)
+    return points + np.outer(arcs / arcs[-1], anchor - points[-1])
+
+
+def promised_tension(block: Block, scene: Scene) -> float:
+    """What tensions of a start may be wrong by [N]."""
+    means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
+    return 10.0 * scene.solver.tolerance * float(np.abs(means).max())
+
+
+def _refuse_what_pushes(block: Block, scene: Scene) -> None:
+    """Refuse a lay that would push its anchor: what lies would fold."""
+    means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
+    pressed, anchor = -float(means.min()), scene.end.position
+    assert anchor is not None
+    if pressed > promised_tension(block, scene):
+        problem = f"what lies would push it by {pressed:.3g} N: a lay to it takes less cable"
+        if scene.environment.floor is not None and np.any(laid_loads.slopes(scene, *anchor[:2])):
+            problem += ", or slides down to it"
+        raise SceneError.at("end.anchor", anchor, problem, "one farther away, or a free end")
 
 
 def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> None:

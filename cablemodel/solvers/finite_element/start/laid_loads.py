@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.errors import SceneError
 from cablemodel.solvers.finite_element.start.sea_floor import LYING, contact_weight
 
 if TYPE_CHECKING:
@@ -251,6 +252,41 @@ def is_dragged(scene: Scene) -> bool:
     floor = scene.environment.floor
     uneven = floor is not None and floor.z is None
     return rate - scene.rate_at_start > (LAID_UNEVEN if uneven else DRAGGED) * rate
+
+
+def check_steady(scene: Scene) -> None:
+    """Refuse a line to an anchor that has no steady state under way: the winch must pay out what a
+    lay takes, or more, or take up what it goes along.
+
+    Raises:
+        SceneError: it does not, and what would do.
+    """
+    rate, velocity = scene.rate_at_start, scene.motion().evaluate(0.0)[1]
+    anchor, place = np.asarray(scene.end.position), scene.motion().evaluate(0.0)[0]
+    speed = float(np.hypot(velocity[0], velocity[1]))
+    if rate == 0.0 or scene.environment.floor is None:
+        raise SceneError.at(
+            "initial",
+            "static",
+            "an anchored cable has no steady state while the vessel moves",
+            "a vessel at rest at t = 0, or initial: {points: [...]}",
+        )
+    away = float(velocity[:2] @ (place - anchor)[:2])
+    needed = lay_rate(scene) if away > 0.0 else -speed
+    held = "its end is held, and what hangs would get"
+    if rate < (1.0 - DRAGGED) * needed if away > 0.0 else rate < (1.0 + DRAGGED) * needed:
+        problem = f"{held} ever tighter: there is no steady state"
+    elif (rate > 0.0) is not (away > 0.0) or (rate < 0.0 and rate > (1.0 - DRAGGED) * needed):
+        problem = f"{held} ever longer: there is no steady state"
+    else:
+        return
+    where = "away from its anchor" if away > 0.0 else "to its anchor"
+    at_least = "at least " if away > 0.0 else ""
+    if speed == 0.0:
+        where, allowed = "at rest", "0 m/s at t = 0"
+    else:
+        allowed = f"{at_least}{needed:.6g} m/s at t = 0 (the vessel goes {where})"
+    raise SceneError.at("payout.rate", rate, problem, allowed)
 
 
 def becomes_taut(scene: Scene) -> bool:

@@ -178,7 +178,7 @@ def lie_still(
     state = block.scalars
     shape, drawn = _shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
-    bristle, soft = float(state.bristle), _longest_bristle(block, scene)
+    bristle, soft = float(state.bristle), longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     if not _is_even(scene):
         few = continuation.in_few_steps
@@ -226,7 +226,7 @@ def _shape_and_roots(block: Block) -> tuple[FloatArray, FloatArray]:
     return block.array(Header.position, *words), block.array(Header.rest, *words)
 
 
-def _longest_bristle(block: Block, scene: Scene) -> float:
+def longest_bristle(block: Block, scene: Scene) -> float:
     """With which what lies finds where no tension is left [m]."""
     return (LAYING if is_lay(scene) else SOFT) * float(block.scalars.length)
 
@@ -272,7 +272,7 @@ def _let_slide(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[],
     state = block.scalars
     shape, drawn = _shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
-    bristle, soft = float(state.bristle), _longest_bristle(block, scene)
+    bristle, soft = float(state.bristle), longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
     # What a lay has laid is at rest over the ground: only a current pulls at it.
     drifts = not dragged and not (is_lay(scene) and scene.environment.current is None)
@@ -324,7 +324,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
     if status == at.OK:
         shape, drawn = _shape_and_roots(block)
         bristle = float(block.scalars.bristle)
-        drawn[:] = shape - bristle / _longest_bristle(block, scene) * (shape - drawn)
+        drawn[:] = shape - bristle / longest_bristle(block, scene) * (shape - drawn)
         bears, drags = _loads(block, scene)  # without the drag on what lies, so far
         drag = _shares(block, scene, bears, drags, False) - _shares(
             block, scene, bears, None, False

@@ -89,11 +89,17 @@ def _fastest_lay(scene: CableScene) -> float:
 
 
 def _laying(scene: CableScene) -> Payout | None:
-    """Of a winch that pays out from its drum to a free end over a floor; None: there is none."""
-    payout, end = getattr(scene, "payout", None), getattr(scene, "end", None)
-    if scene.environment.floor is None or payout is None or end is None or end.kind != "free":
+    """Of a winch that pays out from its drum over a floor, to a free end, or to an anchor from
+    which the vessel lays at the start; None: there is none."""
+    from cablemodel.scene import Scene
+
+    if scene.environment.floor is None or not isinstance(scene, Scene) or not scene.payout.drum:
         return None
-    return payout if payout.drum else None
+    if scene.end.kind != "free":
+        moves = bool(np.any(scene.motion().evaluate(0.0)[1]))
+        if scene.initial.kind != "static" or not moves or scene.rate_at_start <= 0.0:
+            return None
+    return scene.payout
 
 
 def unfolding_layer(scene: CableScene) -> float:

@@ -32,6 +32,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_f
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
 from cablemodel.solvers.shared.access import (
     body_of,
+    cable_of,
     closure_of,
     constraint_of,
     edge_of,
@@ -40,7 +41,7 @@ from cablemodel.solvers.shared.access import (
     scalars,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, view
-from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT
+from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAID_SLACK
 
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
@@ -60,12 +61,29 @@ def push_of(M, edge):
     return FOLDED * edge.contact * touchdown_layer(M, edge)
 
 
+@inlined
+def is_laid_slack(I, edge):
+    """Whether an element is flexible cable of a lay that begins with slack, once one does: in a
+    system not all lines do."""
+    return edge.flexible != 0.0 and (header(I).parts == 0 or edge.flexible == LAID_SLACK)
+
+
+@inlined
+def may_be_wrong(I, M, edge):
+    """By what the tension of an element may be wrong [N], by the largest in its line so far."""
+    state = scalars(M)
+    if header(I).parts != 0:
+        return 10.0 * state.tolerance * cable_of(I, M, int(edge.segment)).tension
+    typical = state.tolerance * state.tension_scale
+    return 10.0 * state.tolerance * max(state.largest_tension, typical)
+
+
 @kernel
-def has_slack(I, M, promised):
+def has_slack(I, M):
     """Whether flexible cable of a lay is slack: where it lies its material is pressed, or would
-    be if it were not limp, by more than tensions may be wrong by, `promised` [N], and than half of
-    what folds of its least bending push back with. What hangs may be pressed by a blow; cable that
-    bends and lies straight may bear more than its folds do."""
+    be if it were not limp, by more than tensions may be wrong by, and than half of what folds of
+    its least bending push back with. What hangs may be pressed by a blow; cable that bends and lies
+    straight may bear more than its folds do."""
     head = header(I)
     q = view(M, head.position, 2 * head.dimension * head.nodes)
     if not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
@@ -75,13 +93,13 @@ def has_slack(I, M, promised):
         if pressure <= 0.0 or I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        if edge.flexible == 0.0:
+        if not is_laid_slack(I, edge):
             continue
         if is_limp(edge):
             pressure /= edge.yields * edge.compliance
         elif not (near_floor(I, M, node, q) and near_floor(I, M, I[head.parent + node], q)):
             continue
-        if pressure > max(promised, 0.5 * push_of(M, edge)):
+        if pressure > max(may_be_wrong(I, M, edge), 0.5 * push_of(M, edge)):
             return True
     return False
 
@@ -165,6 +183,14 @@ def hang_limp(I, M, edge, promised):
 
 
 @inlined
+def sheds(M, edge, t0, t1):
+    """Whether an element that hangs bends aside, and pushes with about `SLOWER` of what pulls: no
+    mesh need follow how. What stretches much pushes with more."""
+    slow = edge.yields * edge.compliance < SLOWER * SLOWER_FOLDED
+    return edge.bears > 0.0 and slow and folds(M, edge, t0, t1)
+
+
+@inlined
 def may_fold(I, M):
     """Whether what hangs bends aside at all."""
     state = scalars(M)
@@ -195,16 +221,27 @@ def choose_law(I, M, node, promised):
     """
     state = scalars(M)
     edge = edge_of(I, M, node)
-    limp = state.yields > 0.0 and edge.flexible != 0.0
+    limp = state.yields > 0.0 and is_laid_slack(I, edge)
     t0, t1 = M[header(I).tension + 2 * node], M[header(I).tension + 2 * node + 1]
     if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
         return  # a stiffer one would be pressed by what it has been shortened by
     edge.bears = 0.0
     edge.yields = 0.0
     if limp:
-        edge.yields = state.yields
+        edge.yields = BORNE * may_be_wrong(I, M, edge)
     elif may_fold(I, M) and blows_end(M, edge):
         hang_limp(I, M, edge, promised)
+
+
+@kernel
+def least_yields(I, M):
+    """The least pressure that shortens a limp element to nothing [N]."""
+    least = math.inf
+    for node in range(1, header(I).nodes):
+        edge = edge_of(I, M, node)
+        if is_laid_slack(I, edge):
+            least = min(least, BORNE * may_be_wrong(I, M, edge))
+    return least
 
 
 @kernel
@@ -214,10 +251,8 @@ def choose_all(I, M, promised):
     state = scalars(M)
     state.yields = 0.0
     if head.lays_slack != 0 and state.time > 0.0:
-        typical = state.tolerance * state.tension_scale
-        may_be_wrong = 10.0 * state.tolerance * max(state.largest_tension, typical)
-        if has_slack(I, M, may_be_wrong):
-            state.yields = BORNE * may_be_wrong
+        if has_slack(I, M):
+            state.yields = least_yields(I, M)
     hung = find_hung(I, M) if may_fold(I, M) else 0
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:

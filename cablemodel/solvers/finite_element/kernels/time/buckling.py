@@ -14,8 +14,8 @@ A strut that is stiff enough, as a riser below its Euler load, has no negative p
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.limp import sheds
 from cablemodel.solvers.finite_element.kernels.element.strain import (
-    folds,
     promised_tension,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
@@ -40,15 +40,15 @@ own_block = own_numbers(36)
 
 @kernel
 def is_pressed(I, M, node, q, tension, least):
-    """Whether the element above a node is pressed by more than `least` [N], and hangs free.
+    """Whether the element above a node is pressed by more than `least` [N], and hangs free; not
+    what `sheds` its pressure.
 
     q: (nodes, 2, dimension), tension: (nodes, 2). What lies on the floor is held by it.
     """
     head = header(I)
     if I[head.joint + node] != 0 or tension[2 * node] >= -least:
         return False
-    edge = edge_of(I, M, node)
-    if edge.bears > 0.0 and folds(M, edge, tension[2 * node], tension[2 * node + 1]):
+    if sheds(M, edge_of(I, M, node), tension[2 * node], tension[2 * node + 1]):
         return False
     if head.floor_state == FLOOR_FAR:
         return True

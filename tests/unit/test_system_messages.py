@@ -1,0 +1,132 @@
+"""A system that cannot be meant, and a step that cannot, are refused in the words of the file."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+from system_to_steer import SCENE
+
+import cablemodel as cm
+from cablemodel.scene import apply_overrides
+
+
+@pytest.mark.parametrize(
+    ("override", "path", "words"),
+    [
+        (
+            "lines.tether={start: cage.spool, to: vehicle.tail, items: []}",
+            "lines.tether.start",
+            "did you mean from?; allowed: from, to, items",
+        ),
+        (
+            "lines.tether={from: cage.spool, to: vehicle.tail, cable: {}}",
+            "lines.tether.cable",
+            "it belongs in lines.tether.items.N; allowed: from, to, items",
+        ),
+        (
+            "bodies.cage.drag_coefficient=0.8",
+            "bodies.cage.drag_coefficient",
+            "did you mean drag_area (area times coefficient)?",
+        ),
+        ("bodies.cage.CdA=0.8", "bodies.cage.CdA", "did you mean drag_area?"),
+        ("winches.hoist.drum_length=9", "winches.hoist.drum_length", "did you mean drum?"),
+        ("floor={z: -50}", "floor", "it belongs in environment; allowed: title"),
+        ("vessel={}", "vessel", "did you mean vessels?"),
+        ("lines=[{from: cage.spool}]", "lines", "allowed: a mapping {NAME: {from, to, items}}"),
+        (
+            "bodies.cage.points=[0, 0, 1]",
+            "bodies.cage.points",
+            "not a mapping; allowed: a mapping {NAME: a list of numbers [x, y, z] in m}",
+        ),
+        (
+            "vessels.ship.connection={clamped: [0, 0, -1]}",
+            "vessels.ship.connection",
+            "lines have clamps, not the vessel; allowed: pinned; from: {point: VESSEL.POINT",
+        ),
+        (
+            "bodies.cage.submerged_weight=null",
+            "bodies.cage",
+            "neither submerged_weight nor hull is given",
+        ),
+    ],
+)
+def test_refused(override: str, path: str, words: str) -> None:
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(apply_overrides(SCENE, [override]))
+    found = {problem.path: str(problem) for problem in caught.value.problems}
+    assert words in found[path]
+
+
+@pytest.mark.parametrize("end", ["cage", "cage.bottom"])
+def test_a_point_that_is_none_is_told_once(end: str) -> None:
+    data = apply_overrides(SCENE, [f"lines.umbilical.to={end}", "lines.tether.from=free"])
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(data)
+    (problem,) = caught.value.problems
+    assert str(problem).startswith(f"lines.umbilical.to: '{end}' is no point of a vessel or body")
+
+
+def test_an_end_that_is_missing_is_told_in_the_words_of_the_file() -> None:
+    data = copy.deepcopy(SCENE)
+    del data["lines"]["tether"]["from"]
+    with pytest.raises(cm.SceneError, match=r"tether\.from: is missing; allowed: where it begins"):
+        cm.load_system(data)
+
+
+def test_the_word_pinned_is_still_read() -> None:
+    """As logs of systems have it."""
+    scene = cm.load_system(apply_overrides(SCENE, ["vessels.ship.connection=pinned"]))
+    assert scene == cm.load_system(SCENE)
+
+
+def test_a_scene_of_one_line_is_no_system() -> None:
+    types = {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}}
+    data = {"cable_types": types, "line": [{"cable": {"type": "wire", "length": 10}}]}
+    with pytest.raises(cm.SceneError, match="line: a scene of one line, from a vessel outwards"):
+        cm.SystemModel(data)
+
+
+@pytest.mark.parametrize(
+    ("vessels", "words"),
+    [
+        ({"ship": [1.0, 0.0, 0.0]}, "a VesselInput, as VesselInput(velocity=[2, 0, 0])"),
+        ({"boat": cm.VesselInput(velocity=[1, 0, 0])}, "give one of ship, vehicle"),
+        ({"ship": cm.VesselInput(velocity=[1, 0])}, "give 3 finite numbers"),
+        ([cm.VesselInput()], "give a mapping by the names of ship, vehicle"),
+    ],
+)
+def test_a_wrong_motion_of_a_vessel_is_told(vessels: Any, words: str) -> None:
+    model = cm.SystemModel(SCENE)
+    assert repr(model) == "<SystemModel of 'Ship, cage and vehicle' at t = 0 s>"
+    with pytest.raises(cm.StepError) as caught:
+        model.step(0.1, vessels=vessels)
+    assert words in str(caught.value)
+    assert model.time == 0.0
+
+
+def test_one_cut_may_stand_alone_also_where_it_is_recorded() -> None:
+    model = cm.SystemModel(SCENE)
+    with cm.SystemRecorder(model) as recorder:
+        recorder.step(0.1, cuts="weak_link")
+    assert model.cuts == {"weak_link": 0.0}
+    assert recorder.run().applied_inputs["weak_link.cut"].tolist() == [1.0]
+    model.reset()
+    model.step(0.1, cuts="weak_link")
+    assert model.cuts == {"weak_link": 0.0}
+
+
+def test_a_place_beyond_a_line_is_told() -> None:
+    model = cm.SystemModel(SCENE)
+    with pytest.raises(ValueError, match="s = 50 m is not on umbilical; allowed: 0 to 40 m"):
+        model.lines["umbilical"].sample([0.0, 50.0])
+
+
+def test_recorders_name_each_other() -> None:
+    with pytest.raises(TypeError, match=r"<SystemModel of .* is recorded by a SystemRecorder"):
+        cm.Recorder(cm.SystemModel(SCENE))  # type: ignore[arg-type]
+    types = {"wire": {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}}
+    line = cm.CableModel({"cable_types": types, "line": [{"cable": {"type": "wire", "length": 9}}]})
+    with pytest.raises(TypeError, match=r"<CableModel of 'untitled' .* is recorded by a Recorder"):
+        cm.SystemRecorder(line)
