@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, OK, WARN, Diagnostics
-from cablemodel_ros.recording import SNAPSHOT_ATTACHMENT, Recorder
+from cablemodel_ros.recording import Recorder
 from cablemodel_ros.session import Session, SessionError
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Followed
@@ -23,6 +23,7 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel.model import Snapshot
+from cablemodel.results.log.writer import SNAPSHOT_ATTACHMENT
 from cablemodel.results.replay import replay
 
 CABLE = {
@@ -313,6 +314,12 @@ def test_logs_are_bounded_and_each_file_begins_at_a_snapshot(tmp_path: Path) -> 
         assert np.all(np.diff(run.applied_inputs["time"]) > 0)
         assert run.applied_inputs["time"][0] == pytest.approx(model.time + 0.01)
         last_time = run.applied_inputs["time"][-1]
+        again = replay(run)
+        assert again.exact
+        assert again.steps == len(run.applied_inputs["time"])
+    run.metadata["engine"] = "old"
+    with pytest.raises(cm.LogError, match="a state of engine old"):
+        replay(run)
 
 
 def test_a_slow_disk_costs_outputs_first_and_then_begins_a_new_file(tmp_path: Path) -> None:
