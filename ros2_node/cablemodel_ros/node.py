@@ -73,6 +73,7 @@ class CableNode(LifecycleNode):
         self._entities: list[Callable[[], Any]] = []
         self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
         self._failure = ""
+        self._errors: dict[str, str] = {}
         for parameter in PARAMETERS:
             default = list(p) if isinstance(p := parameter.default, tuple) else p
             self.declare_parameter(parameter.name, default, messages.descriptor(parameter))
@@ -283,7 +284,17 @@ class CableNode(LifecycleNode):
         commands = next(status for status in statuses if status.name == "commands")
         for finding in self._neighbours.findings():
             commands.add(WARN, finding)
+        self._tell_of_errors(statuses)
         self._send(statuses)
+
+    def _tell_of_errors(self, statuses: list[Status]) -> None:
+        """On the console, too, once each: not everybody reads diagnostics. What stops the
+        simulation is told there anyway."""
+        errors = {s.name: s.message for s in statuses if s.level == ERROR}
+        for name, message in errors.items():
+            if message != self._errors.get(name) and not self._failure:
+                self.get_logger().error(f"{name}: {message}")
+        self._errors = errors
 
     def _send(self, statuses: list[Status]) -> None:
         name = self.get_fully_qualified_name().lstrip("/")
