@@ -252,11 +252,24 @@ def test_a_saved_state_of_another_scene_is_refused(session: Session, tmp_path: P
     other = cm.load_scene(
         {**SCENE, "line": [{"cable": {"type": "K", "length": 30, "elements": 3}}]}
     )
-    with pytest.raises(cm.SceneError):
+    with pytest.raises(cm.SceneError, match=r"initial_state: .* belongs to another scene; "):
         Session(settings(scene=other.to_yaml(), initial_state=str(path)))
-    path.write_bytes(b"nonsense")
-    with pytest.raises(cm.SceneError, match="no saved state"):
-        Session(settings(initial_state=str(path)))
+
+
+def test_what_is_no_saved_state_is_refused_by_name(session: Session, tmp_path: Path) -> None:
+    """The scene that was saved beside it, half of it, an array, and nothing."""
+    path = session.save().write(tmp_path)
+    half, array = tmp_path / "half.npz", tmp_path / "array.npy"
+    half.write_bytes(path.read_bytes()[:-500])
+    np.save(array, np.zeros(3))
+    for file in (path.with_suffix(".yaml"), half, array):
+        with pytest.raises(cm.SceneError) as told:
+            Session(settings(initial_state=str(file)))
+        assert str(told.value) == (
+            f"initial_state: {file} is no saved state; allowed: a .npz file that ~/save wrote"
+        )
+    with pytest.raises(cm.SceneError, match=r"none.npz cannot be read \(No such file"):
+        Session(settings(initial_state=str(tmp_path / "none.npz")))
 
 
 def test_wrong_scenes_are_told_in_the_scene_s_own_words() -> None:
