@@ -292,7 +292,7 @@ VESSEL_INPUTS: tuple[Input, ...] = (
           "~/NAME/odom_in", ODOMETRY, (3,)),
     Input("roll, pitch and yaw", "rad", "attitude", "NAME.attitude_input[i]",
           "~/NAME/odom_in", ODOMETRY, (3,)),
-    Input("their rates", "rad/s", "attitude_rate", "NAME.attitude_rate_input[i]",
+    Input("rates of roll, pitch and yaw", "rad/s", "attitude_rate", "NAME.attitude_rate_input[i]",
           "~/NAME/odom_in", ODOMETRY, (3,)),
 )  # fmt: skip
 """Of each vessel or driven end of a system: fields of ``VesselInput``."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel import variables
-from cablemodel.errors import LogError, StepError
+from cablemodel.errors import LogError, SceneError, StepError
 from cablemodel.results.compare import SAME_TIME, STATE_UNITS, Along, Difference, differences_of
 from cablemodel.results.states import bodies_in_columns
 
@@ -77,7 +77,8 @@ def replay(
         make_model: makes the model of a scene; :class:`~cablemodel.CableModel` by default.
 
     Raises:
-        LogError: the log does not begin at t = 0, or holds no outputs.
+        LogError: the log holds no outputs; or it begins later than t = 0 without a state to begin
+            at, or at one of another engine.
         ValueError: ``tolerance`` is negative or not finite.
     """
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance >= 0.0):
@@ -85,9 +86,9 @@ def replay(
     if not len(run.time):
         raise LogError("the log holds no outputs: there is nothing to compare")
     inputs = run.applied_inputs
-    _check_begin(run, inputs)
-    model: Any = (make_model or _model_of)(run.scene)
     changed = changes(run.metadata)
+    model: Any = (make_model or _model_of)(run.scene)
+    _begin(model, run, inputs, changed)
     if tolerance is None:
         tolerance = run.scene.solver.tolerance if changed else 0.0
     result = Replay([], not changed, changed, tolerance)
@@ -122,13 +123,32 @@ def changes(logged: dict[str, str]) -> dict[str, tuple[str, str]]:
     return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
 
 
-def _check_begin(run: Run, inputs: dict[str, Floats]) -> None:
+def _begin(
+    model: Any, run: Run, inputs: dict[str, Floats], changed: dict[str, tuple[str, str]]
+) -> None:
+    """Bring a model to where the log begins."""
+    if run.snapshot is not None:
+        if "engine" in changed:
+            was, now = changed["engine"]
+            raise LogError(
+                f"the log begins at a state of engine {was}, which this one ({now}) cannot take up"
+            )
+        from cablemodel.model import Snapshot
+
+        system = variables.is_system(run.scene)
+        try:
+            model.restore(run.snapshot if system else Snapshot(run.snapshot))
+        except SceneError as error:
+            raise LogError(f"the log begins at a state that does not fit: {error}") from error
+        return
     if len(inputs["time"]):
         begin = float(inputs["time"][0] - inputs["step"][0])
     else:
         begin = float(run.time[0])
     if abs(begin) > SAME_TIME:
-        raise LogError(f"the log begins at t = {begin:g} s: only a run from t = 0 can be replayed")
+        raise LogError(
+            f"the log begins at t = {begin:g} s, without a state to begin at: it cannot be replayed"
+        )
 
 
 def _model_of(scene: Any) -> Any:

@@ -42,7 +42,8 @@ class Run:
 
     Attributes: ``scene``; ``statistics`` (of the solver: steps, rejected, factorisations,
     elements, wall_time [s], ...); ``complete`` and, if it is not, ``reason``; ``metadata`` (of a
-    log: versions, revision, machine; else empty); ``wall_time`` [s].
+    log: versions, revision, machine; else empty); ``wall_time`` [s]; ``snapshot`` (of a log that
+    begins at another state than the scene's: that state; else None).
     """
 
     def __init__(
@@ -60,6 +61,7 @@ class Run:
         self.complete = complete
         self.reason = reason
         self.metadata = metadata or {}
+        self.snapshot: bytes | None = None
         self._source = source
         self._columns: dict[str, Floats] = {}
         self._variables = {
@@ -388,7 +390,7 @@ def open_run(path: str | PathLike[str]) -> Run:
         scene = read_scene(log.scene_text)
     except SceneError as error:
         raise LogError(f"{path}: this version cannot read the scene in the log: {error}") from error
-    return run_of(
+    run = run_of(
         scene,
         source_of(log, scene),
         statistics=log.statistics,
@@ -396,3 +398,5 @@ def open_run(path: str | PathLike[str]) -> Run:
         reason=log.reason,
         metadata=log.metadata,
     )
+    run.snapshot = log.snapshot
+    return run

@@ -136,6 +136,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
     for part, row in inputs_of_system(scene):
         values = _starts(scene, part, row.python)
         command = row.python == "cut"
+        axes = axes_of(row.unit, row.python)
         for i, value in enumerate(values, start=1):
             most = _ALLOWED[row.unit]
             words = row.quantity + ("" if command else ", reached at the end of a step")
@@ -147,7 +148,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
                     "input",
                     "discrete" if command else "continuous",
                     row.unit,
-                    f"{part}: {words}" + (f", {axes_of(row.unit)[i - 1]}" if row.shape else ""),
+                    f"{part}: {words}" + (f", {axes[i - 1]}" if row.shape else ""),
                     value,
                     -most,
                     most,

@@ -123,9 +123,10 @@ class Coefficient:
     """Of a length of the line: how far it can reach when stretched, in lengths."""
 
 
-def axes_of(unit: str) -> tuple[str, ...]:
-    """Words for the three components of a vector, or of an attitude."""
-    return _ANGLES if unit == "rad" else _AXES
+def axes_of(unit: str, name: str = "") -> tuple[str, ...]:
+    """Words for the three components of a vector, of an attitude, or of ``attitude_rate``: rates of
+    its angles are not the angular velocity."""
+    return _ANGLES if unit == "rad" or name == "attitude_rate" else _AXES
 
 
 def inputs(starts: list[float]) -> list[Signal]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,10 @@ Floats = NDArray[np.float64]
 MAP = "map"
 FUTURE = 1.0
 """How far a stamp may lie in the future [s] before the clocks are taken to disagree."""
+DRIFT_TIME = 5.0
+"""Over which a drift is smoothed [s]: noise of 0.2 m is one of 0.04 m/s then."""
+DRIFT_SPEED, DRIFT_SHARE = 0.25, 0.1
+"""A drift above this [m/s], and this part of the speed, is a twist that contradicts its pose."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class Odometry:
     """In map axes (3,) [rad/s]."""
     spin_rate: Floats
     """Its change, as that of the velocity (3,) [rad/s2]."""
+    drift: Floats
+    """How much faster places have moved than velocities said, smoothed (3,) [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +284,7 @@ class Commands(Desk):
         """A sample with the accelerations that it and those before it show."""
         before = self._latest.odometry
         motion = np.concatenate([velocity, spin])
-        acceleration, interval = np.zeros(6), 0.0
+        acceleration, drift, interval = np.zeros(6), np.zeros(3), 0.0
         if before is not None:
             interval = arrival.made - before.measured
             if interval <= self._settings.command_timeout:
@@ -288,10 +294,32 @@ class Commands(Desk):
                     seen = (motion - old) / interval
                     share = -math.expm1(-interval / max(self._settings.odom_smoothing, 1e-9))
                     acceleration = acceleration + share * (seen - acceleration)
+                    way = position - before.course.position
+                    ahead = way / interval - 0.5 * (velocity + before.course.velocity)
+                    share = -math.expm1(-interval / DRIFT_TIME)
+                    drift = before.drift + share * (ahead - before.drift)
+                else:
+                    drift = before.drift
         course = Course(position, velocity, acceleration[:3])
         return Odometry(
-            _given(arrival), arrival.made, course, max(interval, 0.0), turn, spin, acceleration[3:]
-        )
+            _given(arrival), arrival.made, course, max(interval, 0.0), turn, spin,
+            acceleration[3:], drift,
+        )  # fmt: skip
+
+    def contradictions(self) -> Iterator[str]:
+        """Odometry in force whose twist does not say how its pose moves, in words."""
+        with self._lock:
+            sample = self._latest.odometry
+        if sample is None:
+            return
+        drift = float(np.linalg.norm(sample.drift))
+        speed = float(np.linalg.norm(sample.course.velocity))
+        fresh = self._timebase.now() - sample.given <= self._settings.command_timeout
+        if fresh and drift > DRIFT_SPEED + DRIFT_SHARE * speed:
+            yield (
+                f"{self.seat.odometry} contradicts itself by {drift:.2g} m/s: its twist does not "
+                "say how its pose moves; is it in the axes of child_frame_id?"
+            )
 
     def take_payout_rate(self, rate: float) -> str:
         """A pay-out rate [m/s], positive out."""

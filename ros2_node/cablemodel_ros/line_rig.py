@@ -174,6 +174,7 @@ class LineRig:
         return found
 
     def command_findings(self) -> Iterator[str]:
+        yield from self.commands.contradictions()
         if self.helm.idle_payout:
             has_drum = "drum" in variables.features(self.scene)
             why = "the drum is empty" if has_drum else "the scene has no payout.drum"

@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,9 +33,10 @@ from cablemodel.errors import CableModelError
 from cablemodel.solvers.library import compiling_told
 from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
-from cablemodel_ros.diagnostics import ERROR, Diagnostics, Status
+from cablemodel_ros.diagnostics import ERROR, WARN, Diagnostics, Status
 from cablemodel_ros.inputs import Inputs
 from cablemodel_ros.markers import Picture, markers
+from cablemodel_ros.neighbours import Neighbours
 from cablemodel_ros.outputs import Outputs
 from cablemodel_ros.rig import Order
 from cablemodel_ros.session import Names, Session
@@ -67,14 +69,17 @@ class CableNode(LifecycleNode):
         self._lock = threading.Lock()
         self._foreign: ForeignClock | None = None
         self._outputs: Outputs | None = None
+        self._neighbours: Neighbours | None = None
         self._entities: list[Callable[[], Any]] = []
         self._steady = RclpyClock(clock_type=ClockType.STEADY_TIME)
         self._failure = ""
+        self._errors: dict[str, str] = {}
         for parameter in PARAMETERS:
             default = list(p) if isinstance(p := parameter.default, tuple) else p
             self.declare_parameter(parameter.name, default, messages.descriptor(parameter))
         # What is wrong now (an override) stops the node here, not in the first transition.
         self._settings()
+        self._tell_of_unknown_parameters()
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._apply_parameters)
         self._diagnostics_publisher = self.create_publisher(
@@ -90,6 +95,15 @@ class CableNode(LifecycleNode):
 
     def _settings(self) -> Settings:
         return Settings.of({p.name: self.get_parameter(p.name).value for p in PARAMETERS})
+
+    def _tell_of_unknown_parameters(self) -> None:
+        """Rclpy ignores values that are given at start-up to parameters that a node has not."""
+        for name in self._parameter_overrides:
+            if self.has_parameter(name) or name.startswith("qos_overrides."):
+                continue
+            close = get_close_matches(name, BY_NAME, n=1)
+            hint = f"; did you mean {close[0]}?" if close else ""
+            self.get_logger().warning(f"there is no parameter {name}: it is ignored{hint}")
 
     def _check_parameters(self, parameters: list[RclpyParameter]) -> SetParametersResult:
         for parameter in parameters:
@@ -185,9 +199,19 @@ class CableNode(LifecycleNode):
         try:
             return super()._LifecycleNodeMixin__on_change_state(request, response)
         except Exception as error:
-            self.get_logger().error(f"transition refused: {error}")
+            self.get_logger().error(self._refusal(request.transition, error))
             response.success = False
             return response
+
+    def _refusal(self, transition: Any, error: Exception) -> str:
+        machine = self._state_machine
+        names = {number: label for number, label, *_ in machine.transition_graph}
+        wanted = transition.label or names.get(transition.id, str(transition.id))
+        allowed = [label for _, label, *_ in machine.available_transitions]
+        if wanted in allowed:
+            return f"transition {wanted} failed: {error}"
+        state = machine.current_state[1]
+        return f"transition {wanted} refused: the node is {state}; allowed: {', '.join(allowed)}"
 
     def _timebase(self, settings: Settings) -> Timebase:
         if self._foreign is not None:
@@ -214,6 +238,7 @@ class CableNode(LifecycleNode):
         for note in session.rig.notes:
             self.get_logger().warning(note)
         self._diagnostics = Diagnostics(session, self._loop)
+        self._neighbours = Neighbours(self, session)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))
         self._entities.append(Inputs(self, session, self._foreign, self._on_failure).destroy)
@@ -240,6 +265,7 @@ class CableNode(LifecycleNode):
             destroy()
         self._entities.clear()
         self._session = self._loop = self._diagnostics = self._foreign = self._outputs = None
+        self._neighbours = None
         self._failure = ""
         gc.unfreeze()
 
@@ -251,11 +277,24 @@ class CableNode(LifecycleNode):
     # -- out ------------------------------------------------------------------------------------
 
     def _publish_diagnostics(self) -> None:
-        if self._diagnostics is None:
+        if self._diagnostics is None or self._neighbours is None:
             return
         with self._lock:
             statuses = self._diagnostics.statuses()
+        commands = next(status for status in statuses if status.name == "commands")
+        for finding in self._neighbours.findings():
+            commands.add(WARN, finding)
+        self._tell_of_errors(statuses)
         self._send(statuses)
+
+    def _tell_of_errors(self, statuses: list[Status]) -> None:
+        """On the console, too, once each: not everybody reads diagnostics. What stops the
+        simulation is told there anyway."""
+        errors = {s.name: s.message for s in statuses if s.level == ERROR}
+        for name, message in errors.items():
+            if message != self._errors.get(name) and not self._failure:
+                self.get_logger().error(f"{name}: {message}")
+        self._errors = errors
 
     def _send(self, statuses: list[Status]) -> None:
         name = self.get_fully_qualified_name().lstrip("/")

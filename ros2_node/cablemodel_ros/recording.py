@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from cablemodel import Scene, SystemScene
     from cablemodel.results.log.writer import LogWriter
 
-SNAPSHOT_ATTACHMENT = "snapshot.bin"
-"""State that a file begins at (`CableModel.snapshot`); missing where that is the initial one."""
-
 _PAUSE = 0.05
 """Between two turns of the writing thread [s]; waking for every step would cost more."""
 _FLUSH = 0.4
@@ -232,7 +229,7 @@ class Recorder:
             self._folder.forget(writer.path)
 
     def _open(self, begin: _Begin) -> None:
-        from cablemodel.results.log.writer import LogWriter
+        from cablemodel.results.log.writer import SNAPSHOT_ATTACHMENT, LogWriter
 
         path = self._folder.new()
         self._flushed = False

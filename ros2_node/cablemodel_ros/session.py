@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -79,7 +80,6 @@ class Session:
     Raises:
         SceneError, StaticsError: the scene cannot be used; its own message says why.
         SettingsError: a parameter asks for what the scene does not have.
-        OSError: the saved state cannot be read.
     """
 
     def __init__(
@@ -330,14 +330,24 @@ def restore_saved(rig: Rig, path: Path) -> None:
     """Take up a saved state.
 
     Raises:
-        OSError: it cannot be read.
-        SceneError: it is no saved state, or one of another scene.
+        SceneError: it cannot be read, is no saved state, or one of another scene.
     """
+
+    def wrong(problem: str) -> SceneError:
+        return SceneError.at(
+            "initial_state", str(path), f"{path} {problem}", "a .npz file that ~/save wrote"
+        )
+
     try:
-        with np.load(path) as saved:
+        with path.open("rb") as file, np.load(file) as saved:
             # A state of before scenes were named in it is judged by its size alone.
             scene = str(saved["scene"]) if "scene" in saved else ""
             image = saved["snapshot"].tobytes()
-    except (KeyError, ValueError) as error:
-        raise SceneError.at("initial_state", str(path), f"no saved state: {error}") from error
-    rig.take_image(image, scene)
+    except OSError as error:
+        raise wrong(f"cannot be read ({error.strerror or error})") from error
+    except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile) as error:
+        raise wrong("is no saved state") from error
+    try:
+        rig.take_image(image, scene)
+    except SceneError as error:
+        raise wrong("belongs to another scene") from error

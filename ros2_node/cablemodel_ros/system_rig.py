@@ -285,6 +285,8 @@ class SystemRig:
         return found
 
     def command_findings(self) -> Iterator[str]:
+        for commands in self._commands.values():
+            yield from commands.contradictions()
         for name in sorted(self._idle):
             has_drum = self.scene.winches[name].drum_length > 0.0
             why = "the drum is empty" if has_drum else f"winches.{name} has no drum"

@@ -589,6 +589,24 @@ def test_of_place_and_rate_one_that_is_set_alone_drives_alone(hung: Any, given: 
     slave.close()
 
 
+def test_rates_are_those_of_the_angles_and_named_so(hung: Any) -> None:
+    """A ship that has pitched by 1 rad and rolls turns about an axis that points down."""
+    _, place, description = hung
+    slave = Slave(place, description)
+    for rates in ([0, 0.5, 0], [0, 0.5, 0], [0.1, 0, 0], [0.1, 0, 0]):
+        slave.set("ship.attitude_rate_input", rates)
+        slave.step(1.0)
+    assert slave.get("ship.attitude") == pytest.approx([0.15, 1.0, 0.0])
+    turning = [0.1 * math.cos(1.0), 0.0, -0.1 * math.sin(1.0)]
+    assert slave.get("ship.angular_velocity") == pytest.approx(turning, abs=1e-12)
+    for i, angle in enumerate(("roll", "pitch", "yaw"), start=1):
+        words = slave.references[f"ship.attitude_rate_input[{i}]"].description
+        assert words.startswith("ship: rates of roll, pitch and yaw, ")
+        assert words.endswith(f", {angle}")
+    assert slave.references["ship.angular_velocity[1]"].description.endswith("x (east)")
+    slave.close()
+
+
 def test_time_begins_where_the_master_says(hung: Any) -> None:
     _, place, description = hung
     slave = Slave(place, description, start=100.0)

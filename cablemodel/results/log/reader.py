@@ -32,6 +32,7 @@ from cablemodel.results.log.writer import (
     METADATA_START,
     SCENE_ATTACHMENT,
     SCHEMA_VERSION,
+    SNAPSHOT_ATTACHMENT,
     SOURCE_ATTACHMENT,
     TOPIC_NAMES,
 )
@@ -69,6 +70,7 @@ class LogFile:
     """What a log holds.
 
     Attributes: ``scene_text`` (YAML in SI), ``source_text`` (as the user wrote it, or None),
+    ``snapshot`` (the state that the file begins at, where that is not the scene's),
     ``metadata`` and ``end`` (records at the start and the end), ``epoch`` [ns], ``cut`` (whether
     the end of the file is missing), ``complete`` and ``reason``, ``names`` (topics of the table
     that have another name in the file: a node in a namespace wrote it).
@@ -85,6 +87,7 @@ class LogFile:
             raise LogError(f"cannot read the log {self.path}: {error.strerror}") from error
         self.scene_text = ""
         self.source_text: str | None = None
+        self.snapshot: bytes | None = None
         self.metadata: dict[str, str] = {}
         self.end: dict[str, str] = {}
         self.cut = False
@@ -261,6 +264,8 @@ class LogFile:
                     self.scene_text = attachment.data.decode()
                 elif attachment.name == SOURCE_ATTACHMENT:
                     self.source_text = attachment.data.decode()
+                elif attachment.name == SNAPSHOT_ATTACHMENT:
+                    self.snapshot = attachment.data
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(_stream(content))
                 if metadata.name == METADATA_START:

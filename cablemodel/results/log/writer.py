@@ -44,6 +44,8 @@ TOPIC_NAMES = "topics"
 """In the metadata: topics of the table whose names in the file are others (JSON)."""
 SCENE_ATTACHMENT = "scene.yaml"
 SOURCE_ATTACHMENT = "scene_as_written.yaml"
+SNAPSHOT_ATTACHMENT = "snapshot.bin"
+"""State that a file begins at (`CableModel.snapshot`); missing where that is the initial one."""
 
 CHUNK_BYTES = 64 * 1024
 CHUNK_SIMULATED_SECONDS = 1.0

@@ -107,6 +107,7 @@ def test_on_request_it_goes_back_to_the_last_good_state_and_on(
                       on_failure="retry", diagnostics_rate=10)  # fmt: skip
     applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
     wait_until(lambda: told(watch.diagnostics, "gone back by"), 120)
+    wait_until(lambda: "simulation: a step could not be made: " in node.text)
     wait_until(lambda: float(watch.value("simulation", "simulated time [s]")) > 4.0)
     assert watch.value("simulation", "gone back after a failure") == "2"
     assert talker.state == "active"

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
+from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
 import cablemodel as cm
 
-from .conftest import SCENE, NodeProcess, Talker, wait_until
+from .conftest import SCENE, STARTS_IN, NodeProcess, Talker, wait_until
 
 Start = Callable[..., NodeProcess]
 
@@ -24,6 +26,8 @@ def test_all_transitions_and_those_that_do_not_exist(start_node: Start, talker: 
     for impossible in ("activate", "deactivate", "cleanup"):
         assert not talker.transition(impossible)
     assert talker.state == "unconfigured"
+    refusal = "transition activate refused: the node is unconfigured; allowed: configure, "
+    wait_until(lambda: refusal in node.text)
     for _ in range(2):
         assert talker.transition("configure")
         assert talker.state == "inactive"
@@ -96,6 +100,43 @@ def test_a_wrong_start_parameter_ends_the_node_in_plain_words(start_node: Start)
     assert node.process.wait(60) == 2
     assert "vessel_input is 'wind'; allowed: odom | cmd_vel | scene" in node.text
     assert "Traceback" not in node.text
+
+
+def test_what_the_graph_shows_to_be_wrong_is_told(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    """A misspelt parameter, a plain Twist, a pay-out rate with best effort, a second node."""
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+    from .helmsman import Watch
+
+    watch = Watch(talker)
+    told = partial(watch.said, "commands")
+    settings = {"vessel_input": "cmd_vel", "autostart": True, "diagnostics_rate": 10.0}
+    node = start_node(**settings, command_timout=0.1)
+    twist = talker.node.create_publisher(Twist, "cmd_vel", 1)
+    careless = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    talker.node.create_publisher(Float64, "/cable/payout_rate_cmd", careless)
+    wait_until(lambda: told("cmd_vel comes as geometry_msgs/msg/Twist from talker"), STARTS_IN)
+    assert told("geometry_msgs/msg/TwistStamped is (or cmd_vel_stamped: false)")
+    wait_until(lambda: told("payout_rate_cmd comes with best effort from talker"))
+    assert "no parameter command_timout: it is ignored; did you mean command_timeout?" in node.text
+    assert not told("run twice")
+    talker.node.destroy_publisher(twist)
+    (tmp_path / "second").mkdir()
+    second = NodeProcess(tmp_path / "second", scene=SCENE, **settings)
+    try:
+        wait_until(lambda: "does /cable run twice?" in node.text, STARTS_IN)
+        assert told("another node publishes ~/applied_inputs, too: does /cable run twice?")
+    finally:
+        second.stop()
+    watch.diagnostics.clear()
+    wait_until(lambda: len(watch.diagnostics) > 10)
+    watch.diagnostics.clear()
+    wait_until(lambda: watch.diagnostics)
+    assert not told("comes as")
+    assert not told("run twice")
+    assert node.text.count("cmd_vel comes as") == 1
 
 
 def test_following_a_clock_and_making_one_exclude_each_other(

@@ -166,6 +166,7 @@ def test_a_log_whose_folder_fails_goes_on_when_its_cause_is_gone(
     node = start_node(**FREE_RUN, log__folder=folder, diagnostics_rate=10)
     watch = Watch(talker)
     wait_until(lambda: watch.said("log", "nothing is logged"), 300)
+    wait_until(lambda: "log: nothing is logged: " in node.text)
     folder.unlink()
     wait_until(lambda: watch.said("log", "a new file begins after the gap"), 60)
     watch.diagnostics.clear()

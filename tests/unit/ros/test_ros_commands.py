@@ -181,6 +181,25 @@ def test_empty_frames_of_odometry_are_what_the_message_means() -> None:
     assert "child frame 'imu'; allowed: base_link, map" in odometry(commands, child_frame="imu")
 
 
+@pytest.mark.parametrize(
+    ("axes", "told"), [("base_link", True), ("map", False)], ids=["wrong axes", "right axes"]
+)
+def test_a_twist_that_contradicts_its_pose_is_told(axes: str, told: bool) -> None:
+    """A vessel heads north at 1.5 m/s, its velocity is given in the map; with waves and noise."""
+    commands, _ = made(command_timeout=20.0)
+    noise = np.random.default_rng(1).normal(0.0, 0.1, (500, 3))
+    for n in range(500):
+        t = 0.02 * n
+        place = np.array([0.3 * math.sin(t), 1.5 * t, 0.0]) + noise[n]
+        stamp = STAMP + (t - 9.98)
+        speed = (0.3 * math.cos(t), 1.5, 0.0)
+        assert odometry(commands, stamp, child_frame=axes, position=place, linear=speed,
+                        orientation=EAST_TO_NORTH) == ""  # fmt: skip
+    found = list(commands.contradictions())
+    assert bool(found) == told
+    assert not told or "odom contradicts itself by 1." in found[0]
+
+
 def test_pay_out_without_a_drum_is_told() -> None:
     commands, helm = made(vessel_input="scene")
     commands.take_payout_rate(0.2)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from cablemodel_ros.control import ControlLoop, ForeignClock
 from cablemodel_ros.diagnostics import ERROR, OK, WARN, Diagnostics
-from cablemodel_ros.recording import SNAPSHOT_ATTACHMENT, Recorder
+from cablemodel_ros.recording import Recorder
 from cablemodel_ros.session import Session, SessionError
 from cablemodel_ros.settings import Settings
 from cablemodel_ros.timebase import Followed
@@ -23,6 +23,7 @@ from mcap.reader import make_reader
 
 import cablemodel as cm
 from cablemodel.model import Snapshot
+from cablemodel.results.log.writer import SNAPSHOT_ATTACHMENT
 from cablemodel.results.replay import replay
 
 CABLE = {
@@ -251,11 +252,24 @@ def test_a_saved_state_of_another_scene_is_refused(session: Session, tmp_path: P
     other = cm.load_scene(
         {**SCENE, "line": [{"cable": {"type": "K", "length": 30, "elements": 3}}]}
     )
-    with pytest.raises(cm.SceneError):
+    with pytest.raises(cm.SceneError, match=r"initial_state: .* belongs to another scene; "):
         Session(settings(scene=other.to_yaml(), initial_state=str(path)))
-    path.write_bytes(b"nonsense")
-    with pytest.raises(cm.SceneError, match="no saved state"):
-        Session(settings(initial_state=str(path)))
+
+
+def test_what_is_no_saved_state_is_refused_by_name(session: Session, tmp_path: Path) -> None:
+    """The scene that was saved beside it, half of it, an array, and nothing."""
+    path = session.save().write(tmp_path)
+    half, array = tmp_path / "half.npz", tmp_path / "array.npy"
+    half.write_bytes(path.read_bytes()[:-500])
+    np.save(array, np.zeros(3))
+    for file in (path.with_suffix(".yaml"), half, array):
+        with pytest.raises(cm.SceneError) as told:
+            Session(settings(initial_state=str(file)))
+        assert str(told.value) == (
+            f"initial_state: {file} is no saved state; allowed: a .npz file that ~/save wrote"
+        )
+    with pytest.raises(cm.SceneError, match=r"none.npz cannot be read \(No such file"):
+        Session(settings(initial_state=str(tmp_path / "none.npz")))
 
 
 def test_wrong_scenes_are_told_in_the_scene_s_own_words() -> None:
@@ -313,6 +327,12 @@ def test_logs_are_bounded_and_each_file_begins_at_a_snapshot(tmp_path: Path) -> 
         assert np.all(np.diff(run.applied_inputs["time"]) > 0)
         assert run.applied_inputs["time"][0] == pytest.approx(model.time + 0.01)
         last_time = run.applied_inputs["time"][-1]
+        again = replay(run)
+        assert again.exact
+        assert again.steps == len(run.applied_inputs["time"])
+    run.metadata["engine"] = "old"
+    with pytest.raises(cm.LogError, match="a state of engine old"):
+        replay(run)
 
 
 def test_a_slow_disk_costs_outputs_first_and_then_begins_a_new_file(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from cablemodel_ros.settings import PARAMETERS, Settings, SettingsError
 
 ROOT = Path(__file__).parents[3]
 PACKAGE = ROOT / "ros2_node/cablemodel_ros"
-WITH_ROS = {"inputs", "outputs", "node", "messages", "markers"}
+WITH_ROS = {"inputs", "outputs", "node", "messages", "markers", "neighbours"}
 
 
 def test_every_parameter_is_a_setting_and_its_default_is_allowed() -> None:

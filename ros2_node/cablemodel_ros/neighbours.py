@@ -1,0 +1,54 @@
+"""Who else is on the topics of a node: what the graph shows to be wrong, and no message tells."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.qos import ReliabilityPolicy
+
+from cablemodel_ros import interface
+from cablemodel_ros.session import Session
+
+_UNSTAMPED = "geometry_msgs/msg/Twist"
+
+
+class Neighbours:
+    """Looks at publishers in the graph. A message of another type never arrives, so that a
+    command is awaited in vain; two nodes of one name command and publish the same cable.
+
+    Args:
+        node: whose topics they are.
+        session: what takes the commands.
+    """
+
+    def __init__(self, node: Any, session: Session) -> None:
+        self._node = node
+        self._inputs = [port.topic for port in session.rig.ports]
+        self._said: set[str] = set()
+
+    def findings(self) -> list[str]:
+        """What is wrong now; each is told on the console, too, the first time."""
+        found = [text for topic in self._inputs for text in self._misfits(topic)]
+        own = interface.INPUTS_APPLIED.name
+        if self._node.count_publishers(own) > 1:
+            name = self._node.get_fully_qualified_name()
+            found.append(f"another node publishes {own}, too: does {name} run twice?")
+        for text in found:
+            if text not in self._said:
+                self._node.get_logger().warning(text)
+        self._said |= set(found)
+        return found
+
+    def _misfits(self, topic: interface.Topic) -> list[str]:
+        found: dict[str, None] = {}
+        for publisher in self._node.get_publishers_info_by_topic(topic.name):
+            name, kind = topic.name.removeprefix("~/"), publisher.topic_type
+            best_effort = publisher.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+            if kind != topic.message:
+                way = " (or cmd_vel_stamped: false)" if kind == _UNSTAMPED else ""
+                found[f"{name} comes as {kind} from {publisher.node_name}, which cannot be taken: "
+                      f"{topic.message} is{way}"] = None  # fmt: skip
+            elif best_effort and topic.quality.reliable:
+                found[f"{name} comes with best effort from {publisher.node_name}, which cannot be "
+                      "taken: reliable is"] = None  # fmt: skip
+        return list(found)
