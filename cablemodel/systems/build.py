@@ -28,21 +28,7 @@ from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import instability, is_pressed
-from cablemodel.systems.tables import (
-    allocated,
-    fill_bodies,
-    fill_cables,
-    fill_closures,
-    fill_cuts,
-    fill_feet,
-    fill_frames,
-    fill_held,
-    fill_settings_of,
-    fill_waves,
-    fill_winches,
-    hold_feet,
-    rest_feet,
-)
+from cablemodel.systems.tables import filled, hold_feet, rest_feet
 from cablemodel.systems.tree import tree_of
 
 FloatArray = NDArray[np.float64]
@@ -217,18 +203,8 @@ def _solved(
     from cablemodel.solvers import library as entry
 
     tree = tree_of(scene, nodes)
-    built = allocated(scene, tree)
+    built = filled(scene, tree, guess, before, settings=whole)
     block = built.block
-    fill_settings_of(whole, built)
-    fill_cables(scene, built)
-    fill_frames(scene, block)
-    fill_held(scene, built)
-    fill_bodies(scene, built, guess, before)
-    fill_closures(scene, built)
-    fill_cuts(scene, built)
-    fill_winches(scene, built)
-    fill_feet(scene, built)
-    fill_waves(scene, block)
     place_nodes(scene, built, guess, before)
     sea_floor.fill(block, whole)
     block.header.sleep = 0

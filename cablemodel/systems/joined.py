@@ -19,19 +19,7 @@ from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of
 from cablemodel.systems.lays import Lay
 from cablemodel.systems.scene import SystemScene
-from cablemodel.systems.tables import (
-    allocated,
-    fill_bodies,
-    fill_cables,
-    fill_closures,
-    fill_cuts,
-    fill_feet,
-    fill_frames,
-    fill_held,
-    fill_settings_of,
-    fill_waves,
-    fill_winches,
-)
+from cablemodel.systems.tables import filled
 from cablemodel.systems.tree import tree_of
 
 FloatArray = NDArray[np.float64]
@@ -57,19 +45,9 @@ def joined(scene: SystemScene, rest: Built | None, starts: list[tuple[Lay, Block
     nodes = {} if rest is None else {name: _nodes_in(rest, name) for name in rest.lines}
     nodes |= {lay.line: _nodes_alone(lay, block) for lay, block in starts}
     tree = tree_of(scene, nodes)
-    built = allocated(scene, tree)
-    block = built.block
     axes = {name: axes_of(body.attitude) for name, body in scene.bodies.items()}
-    fill_settings_of(scene, built)
-    fill_cables(scene, built)
-    fill_frames(scene, block)
-    fill_held(scene, built)
-    fill_bodies(scene, built, Guess({}, {}, {}, axes), None)
-    fill_closures(scene, built)
-    fill_cuts(scene, built)
-    fill_winches(scene, built)
-    fill_feet(scene, built)
-    fill_waves(scene, block)
+    built = filled(scene, tree, Guess({}, {}, {}, axes), None, settings=scene)
+    block = built.block
     sea_floor.fill(block, scene)
     block.header.sleep = 0
     of_line = np.array([name for name, _arc in tree.arcs])

@@ -41,7 +41,7 @@ from cablemodel.solvers.finite_element.start import (
 from cablemodel.solvers.finite_element.start.first_state import hold_supports, steady_velocity
 from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.curves import crossing
+from cablemodel.solvers.shared.curves import bends, crossing, way_along
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.guess import held_place
 from cablemodel.systems.scene import SystemScene, SystemWinch
@@ -162,16 +162,14 @@ def _halved(block: Block, scene: Scene, foot: int, places: FloatArray, slopes: F
     other places (n, 3) with slopes (n, 3): those of static shapes (start/refinement.py)."""
     from cablemodel.solvers import library as entry
 
-    steps = np.diff(places, axis=0)
-    h = np.linalg.norm(steps, axis=1)[:, None]
-    first = (6.0 * steps / h - 4.0 * slopes[:-1] - 2.0 * slopes[1:]) / h
-    last = (2.0 * slopes[:-1] + 4.0 * slopes[1:] - 6.0 * steps / h) / h
+    h = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    first, last = bends(places, slopes, h)
     jumps = np.linalg.norm(first[1:] - last[:-1], axis=1)
     jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
     jump[-1] = max(jump[-1], 0.25 * float(np.linalg.norm(first[-1] - last[-1])))
     allowed = refinement.REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     changed = False
-    for node in foot + 1 + np.flatnonzero(h[:, 0] ** 2 * jump > allowed)[::-1]:
+    for node in foot + 1 + np.flatnonzero(h**2 * jump > allowed)[::-1]:
         while (found := entry.halve_at_rest(block.ints, block.reals, int(node))) == at.NO_CAPACITY:
             block.grow()
         changed |= found == at.CHANGED
@@ -209,7 +207,7 @@ def _bow(
     nodes = int(block.header.nodes)
     lies = earth(block, block.array(Header.position, nodes, 6)[foot:, :3])
     lies = _down(floor, lies)
-    arcs = _along(lies)
+    arcs = way_along(lies)
     back = lies[-1] - lies[0]
     way = back[:2] / float(np.hypot(*back[:2]))
     left = np.array([-way[1], way[0]])
@@ -231,7 +229,7 @@ def _bow(
         return _down(floor, points)
 
     def missing(size: float) -> float:
-        return float(_along(curve(size))[-1] - arcs[-1])
+        return float(way_along(curve(size))[-1] - arcs[-1])
 
     sign = 1.0 if aside >= 0.0 else -1.0
     straight, most = missing(0.0), sign * float(arcs[-1])
@@ -256,7 +254,7 @@ def _bow(
             width=1e-12 * abs(most),
         )  # fmt: skip
     points = curve(size)
-    steps = _along(points)
+    steps = way_along(points)
     steps *= arcs[-1] / steps[-1]
     tangents = np.gradient(points, steps, axis=0)
     places = np.column_stack([np.interp(arcs, steps, points[:, k]) for k in range(3)])
@@ -270,12 +268,6 @@ def _down(floor: Floor, points: FloatArray) -> FloatArray:
     """Points (n, 3) brought down, or up, to the floor [m]."""
     heights = [floor.height(float(x), float(y)) for x, y in points[:, :2]]
     return np.column_stack([points[:, :2], heights])
-
-
-def _along(points: FloatArray) -> FloatArray:
-    """Way along a polyline (n, 3) at each of its points (n,) [m]."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _lay_along(

@@ -93,6 +93,28 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     return Built(scene, block, tree)
 
 
+def filled(
+    scene: SystemScene, tree: Tree, guess: Guess, before: Built | None, *, settings: SystemScene
+) -> Built:
+    """A block for a tree, with all that scene and guess say of it but places and floor.
+
+    before: on coarser nodes, whose bodies it has; settings: the scene whose scales it has.
+    """
+    built = allocated(scene, tree)
+    block = built.block
+    fill_settings_of(settings, built)
+    fill_cables(scene, built)
+    fill_frames(scene, block)
+    fill_held(scene, built)
+    fill_bodies(scene, built, guess, before)
+    fill_closures(scene, built)
+    fill_cuts(scene, built)
+    fill_winches(scene, built)
+    fill_feet(scene, built)
+    fill_waves(scene, block)
+    return built
+
+
 def fill_settings_of(scene: SystemScene, built: Built) -> None:
     """Tolerances, water, current, and what `kernels/element/scales.py` wants to know."""
     from cablemodel.solvers import library as entry

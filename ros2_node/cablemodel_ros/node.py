@@ -9,7 +9,6 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from cablemodel.errors import CableModelError
+from cablemodel.scene.problems import suggestion
 from cablemodel.solvers.library import compiling_told
 from cablemodel_ros import interface, messages
 from cablemodel_ros.control import ControlLoop, ForeignClock
@@ -101,8 +101,7 @@ class CableNode(LifecycleNode):
         for name in self._parameter_overrides:
             if self.has_parameter(name) or name.startswith("qos_overrides."):
                 continue
-            close = get_close_matches(name, BY_NAME, n=1)
-            hint = f"; did you mean {close[0]}?" if close else ""
+            hint = suggestion(name, list(BY_NAME)).replace(", ", "; ", 1)
             self.get_logger().warning(f"there is no parameter {name}: it is ignored{hint}")
 
     def _check_parameters(self, parameters: list[RclpyParameter]) -> SetParametersResult:

@@ -13,7 +13,7 @@ from cablemodel.solvers.direct.block import DirectBlock
 from cablemodel.solvers.direct.kernels import layout as own
 from cablemodel.solvers.direct.sections import Section
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.curves import hermite
+from cablemodel.solvers.shared.curves import hermite, way_along
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.solvers.shared.scene_numbers import shared_direction
 
@@ -125,14 +125,13 @@ def _angles(block: DirectBlock, scene: Scene, sections: list[Section]) -> FloatA
     arcs = _node_arcs(sections)
     if scene.initial.kind == "points":
         points = np.asarray(scene.initial.points, dtype=float)
-        chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        along = np.concatenate([[0.0], np.cumsum(chords)])
+        places = way_along(points)
         if len(points) == 2:
             tangents = np.tile(points[1] - points[0], (len(arcs), 1))
         else:
-            where = np.minimum(arcs * along[-1] / scene.line_length, along[-1])
-            slopes = np.gradient(points, along, axis=0)
-            tangents = hermite(where, along, points.T, slopes.T)[1].T
+            where = np.minimum(arcs * places[-1] / scene.line_length, places[-1])
+            slopes = np.gradient(points, places, axis=0)
+            tangents = hermite(where, places, points.T, slopes.T)[1].T
         tangents = tangents / np.linalg.norm(tangents, axis=1)[:, None]
         return _euler(block, tangents)
     if scene.initial.kind == "straight":

@@ -17,6 +17,22 @@ _HALVES_EACH = 4
 """Every fourth trial halves the interval, however flat the function is."""
 
 
+def way_along(points: FloatArray) -> FloatArray:
+    """Length along a polyline (n, 3) at each of its points, (n,) [m]."""
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(chords)])
+
+
+def bends(places: FloatArray, slopes: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """r'' at the beginnings and at the ends of cubics of lengths h (n,) [m] between places (n + 1,
+    d) [m] with slopes (n + 1, d), (n, d) each [1/m]."""
+    h = h[:, None]
+    chords = np.diff(places, axis=0) / h
+    begin = (6.0 * chords - 4.0 * slopes[:-1] - 2.0 * slopes[1:]) / h
+    end = (2.0 * slopes[:-1] + 4.0 * slopes[1:] - 6.0 * chords) / h
+    return begin, end
+
+
 def hermite(
     at: FloatArray, s: FloatArray, values: FloatArray, slopes: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

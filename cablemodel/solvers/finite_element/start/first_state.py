@@ -25,6 +25,7 @@ from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.scales import sinks
 from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.curves import way_along
 from cablemodel.solvers.shared.layout import Header, Scalars
 
 if TYPE_CHECKING:
@@ -242,7 +243,7 @@ def _start_flowing(block: Block, scene: Scene) -> None:
 def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None:
     """Material velocities at the nodes from those at the points of the scene, (n, 3) [m/s]."""
     points = np.asarray(scene.initial.points, dtype=np.float64)
-    places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    places = way_along(points)
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length]

@@ -25,7 +25,7 @@ from cablemodel.solvers.finite_element.start.sea_floor import (
     thinnest_layer,
     touchdown_layer,
 )
-from cablemodel.solvers.shared.curves import crossing
+from cablemodel.solvers.shared.curves import crossing, way_along
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -131,7 +131,7 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     if not 1e-3 < angle < 1.5:
         return None
     above = depth / math.sin(angle)
-    arcs = _arcs(hung)
+    arcs = way_along(hung)
     bend = BEND * thinnest_layer(scene) * math.tan(0.5 * angle)
     if bend > above or above > 0.2 * arcs[-1]:
         return None
@@ -163,9 +163,9 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
 
 def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging) -> Guess:
     """A guess whose line stretches along a polyline as what hangs does, with its tensions."""
-    place = _arcs(points)
+    place = way_along(points)
     start = float(place[max(len(bend) - 1, 0)]) if len(bend) else 0.0
-    own = start + _arcs(hung.points)
+    own = start + way_along(hung.points)
     arcs = np.where(
         place < own[-1],
         np.interp(place, own, hung.arcs),
@@ -182,12 +182,6 @@ def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging)
     arcs *= hung.line_length / arcs[-1]
     end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
     return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.pull]), end]))
-
-
-def _arcs(points: FloatArray) -> FloatArray:
-    """Length along a polyline at each of its points, (n,) [m]."""
-    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(chords)])
 
 
 def surplus(scene: Scene) -> float:
@@ -213,7 +207,7 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[Fl
     if scene.environment.floor is None or scene.initial.kind != "static" or len(points) < 4:
         return nodes
     floor = scene.environment.floor
-    arcs = _arcs(points) if guess.arcs is None else guess.arcs
+    arcs = way_along(points) if guess.arcs is None else guess.arcs
     near = LYING * contact_depth(scene) if guess.at_rest else 1e-3 * thinnest_layer(scene)
     lies = [z < floor.height(float(x), float(y)) + near for x, y, z in points]
     if not any(lies):

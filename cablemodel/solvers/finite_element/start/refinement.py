@@ -22,6 +22,7 @@ from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.finite_element.start.scales import pays_out, start_conditions
 from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.curves import bends
 from cablemodel.solvers.shared.layout import LIGHT_DAMPING, Header
 
 if TYPE_CHECKING:
@@ -81,14 +82,10 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     start = np.zeros((count, dimension))
     end = np.zeros((count, dimension))
     h = edges[:, at.Edge.length]
-    for node in range(1, count):
-        if joints[node]:
-            continue
-        r0, d0 = q[node - 1, :dimension], q[node - 1, dimension:]
-        r1, d1 = q[node, :dimension], q[node, dimension:]
-        chord = (r1 - r0) / h[node]
-        start[node] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h[node]
-        end[node] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h[node]
+    cable = 1 + np.flatnonzero(joints[1:] == at.JOINT_NONE)
+    lengths = np.where(joints[1:] == at.JOINT_NONE, h[1:], 1.0)  # a joint's may be none
+    first, last_bend = bends(q[:, :dimension], q[:, dimension:], lengths)
+    start[cable], end[cable] = first[cable - 1], last_bend[cable - 1]
     jump = np.zeros(count)  # at the child end of each element
     for node in range(1, count - 1):
         if not joints[node] and not joints[node + 1]:

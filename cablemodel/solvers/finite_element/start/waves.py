@@ -15,6 +15,7 @@ from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.mesh import halved_where
 from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.curves import way_along
 from cablemodel.solvers.shared.layout import Header, Scalars
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ def refine_line(
     points: FloatArray,
 ) -> list[FloatArray]:
     """The same of a line made of these cables, of an accuracy tau L [m]."""
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    arc = way_along(points)
     arc *= math.fsum(cable.length for cable in cables) / arc[-1]
     number = 2.0 * math.pi / waves.length
     crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a

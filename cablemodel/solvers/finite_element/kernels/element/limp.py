@@ -10,12 +10,12 @@ is not pushed: what cable comes to that is ever more flexible (Pipkin 1986, "The
 density for isotropic elastic membranes"). What folds dissipates: D = B d|r'|/dt, with a B by which
 D is as large as that pressure. Nothing else stops the strain of an element then.
 
-In a line that hangs free pressure runs slower than tension by a factor s: the
-stiffness that is left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It
-shortens the line by T / (s EA), which is no more than a half. The slower, the less a line is a
-strut: but Newton's method needs shorter steps where elements are short, and near a floor, where the
-mesh follows what folds. There, and in a bare end, which nothing pulls taut, a line stays straight
-under all that its tension may be wrong by, and s is a tenth.
+In a line that hangs free pressure runs slower than tension by a factor s: the stiffness that is
+left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It shortens the line by
+T / (s EA), which is no more than a half. The slower, the less a line is a strut: but Newton's
+method needs shorter steps where elements are short, and near a floor, where the mesh follows what
+folds. There, and in a bare end, which nothing pulls taut, a line stays straight under all that its
+tension may be wrong by, and s is a tenth.
 """
 
 import math
@@ -250,9 +250,8 @@ def choose_all(I, M, promised):
     head = header(I)
     state = scalars(M)
     state.yields = 0.0
-    if head.lays_slack != 0 and state.time > 0.0:
-        if has_slack(I, M):
-            state.yields = least_yields(I, M)
+    if head.lays_slack != 0 and state.time > 0.0 and has_slack(I, M):
+        state.yields = least_yields(I, M)
     hung = find_hung(I, M) if may_fold(I, M) else 0
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
