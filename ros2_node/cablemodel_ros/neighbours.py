@@ -10,6 +10,8 @@ from cablemodel_ros import interface
 from cablemodel_ros.session import Session
 
 _UNSTAMPED = "geometry_msgs/msg/Twist"
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+"""What the middleware calls a node of which it has discovered a publisher only, so far."""
 
 
 class Neighbours:
@@ -42,6 +44,8 @@ class Neighbours:
     def _misfits(self, topic: interface.Topic) -> list[str]:
         found: dict[str, None] = {}
         for publisher in self._node.get_publishers_info_by_topic(topic.name):
+            if publisher.node_name == _UNKNOWN:
+                continue  # it is told by its name
             name, kind = topic.name.removeprefix("~/"), publisher.topic_type
             best_effort = publisher.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
             if kind != topic.message:

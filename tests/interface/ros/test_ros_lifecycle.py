@@ -127,7 +127,8 @@ def test_what_the_graph_shows_to_be_wrong_is_told(
     second = NodeProcess(tmp_path / "second", scene=SCENE, **settings)
     try:
         wait_until(lambda: "does /cable run twice?" in node.text, STARTS_IN)
-        assert told("another node publishes ~/applied_inputs, too: does /cable run twice?")
+        twice = "another node publishes ~/applied_inputs, too: does /cable run twice?"
+        wait_until(lambda: told(twice))  # diagnostics come after the console
     finally:
         second.stop()
     watch.diagnostics.clear()
