@@ -26,9 +26,9 @@ FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 OF_A_START = (
-    at.Edge.bending, at.Edge.bending_full, at.Edge.flexible, at.Edge.damping, at.Edge.stabilisation,
-    at.Edge.third_rest, at.Edge.bears, at.Edge.yields, at.Edge.model, at.Edge.nominal,
-    at.Edge.support,
+    at.Edge.bending, at.Edge.bending_full, at.Edge.flexible, at.Edge.damping, at.Edge.damping_01,
+    at.Edge.damping_11, at.Edge.stabilisation, at.Edge.third_rest, at.Edge.bears, at.Edge.yields,
+    at.Edge.model, at.Edge.nominal, at.Edge.support,
 )  # fmt: skip
 """Words of an element that its start has chosen."""
 OF_A_CABLE = at.Cable.nominal, at.Cable.shortest

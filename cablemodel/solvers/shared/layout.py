@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 23
+VERSION = 24
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -287,7 +287,9 @@ class Edge(Record):
     drag_normal = real("1/2 rho Cdn d", "kg/m2")
     drag_tangential = real("1/2 rho Cdt pi d", "kg/m2")
     compliance = real("c_1 of the strain curve", "1/N")
-    damping = real("in use: force over the rate of strain", "N s")
+    damping = real("in use: mean force over the mean rate of strain", "N s")
+    damping_01 = real("in use: a mode of force over the other mode of the rate of strain", "N s")
+    damping_11 = real("in use: force along P1 over the moment of the rate of strain", "N s")
     damping_full = real("of the cable; less is in use where flexible cable goes slack", "N s")
     strain_terms = real("number of coefficients of the strain curve")
     strain_offset = real("their place in the table of strain curves")

@@ -76,6 +76,7 @@ def edge_row(
     row[at.Edge.drag_tangential] = 0.5 * rho * kind.drag_tangential * math.pi * kind.diameter
     row[at.Edge.compliance] = kind.strain_coefficients[0]
     row[at.Edge.damping] = row[at.Edge.damping_full] = kind.axial_damping
+    row[at.Edge.damping_11] = 3.0 * kind.axial_damping  # the mean of P1^2 is a third
     row[at.Edge.strain_terms] = len(kind.strain_coefficients)
     row[at.Edge.strain_offset] = strain_offset
     row[at.Edge.tension_low : at.Edge.tension_high.word + 1] = strain_range(

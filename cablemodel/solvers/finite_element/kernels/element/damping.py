@@ -40,11 +40,19 @@ def damping_kernel(dimension: int, tangents: int) -> Any:
                     rate += W[tangents + 4 * i + g] * along
                 mean += WEIGHT[g] * rate
                 slope += WEIGHT_P1[g] * rate
-            t0 += edge.damping * mean
-            t1 += 3.0 * edge.damping * slope  # the mean of P1^2 is a third
+            t0 += edge.damping * mean + edge.damping_01 * slope
+            t1 += edge.damping_01 * mean + edge.damping_11 * slope
         return t0, t1
 
     return with_damping
+
+
+@inlined
+def damp_evenly(edge, damping):
+    """Let all of an element be damped so much [N s]: the mean of P1^2 is a third."""
+    edge.damping = damping
+    edge.damping_01 = 0.0
+    edge.damping_11 = 3.0 * damping
 
 
 @kernel
@@ -79,12 +87,12 @@ def strain_rate(I, M, element):
 @kernel
 def damping_in(I, M, element):
     """The modes of D in an element of the state [N], and what it takes from the motion [W/m]."""
-    damping = edge_of(I, M, element).damping
-    if damping == 0.0:
+    edge = edge_of(I, M, element)
+    if edge.damping == 0.0:
         return 0.0, 0.0, 0.0
     mean, slope = strain_rate(I, M, element)
-    d0 = damping * mean
-    d1 = 3.0 * damping * slope
+    d0 = edge.damping * mean + edge.damping_01 * slope
+    d1 = edge.damping_01 * mean + edge.damping_11 * slope
     return d0, d1, d0 * mean + d1 * slope
 
 

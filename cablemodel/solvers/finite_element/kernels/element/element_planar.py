@@ -466,7 +466,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         stiffness[2] = s11
         s22 = 5.0 * eas / h
         s00 += cv * edge.damping / h
-        s11 += 3.0 * cv * edge.damping / h
+        s01 += cv * edge.damping_01 / h
+        s11 += cv * edge.damping_11 / h
 
         spread_components(W, bending != 0.0, drag != 0)
         if waves != 0:

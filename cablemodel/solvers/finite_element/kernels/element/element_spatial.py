@@ -665,7 +665,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
         stiffness[2] = s11
         s22 = 5.0 * eas / h
         s00 += cv * edge.damping / h
-        s11 += 3.0 * cv * edge.damping / h
+        s01 += cv * edge.damping_01 / h
+        s11 += cv * edge.damping_11 / h
 
         if waves != 0:
             wet_rows(I, M, W, e, ROWS_00, ROWS_01, 10, ca)

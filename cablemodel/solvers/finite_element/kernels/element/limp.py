@@ -12,21 +12,27 @@ D is as large as that pressure. Nothing else stops the strain of an element then
 
 In a line that hangs free pressure runs slower than tension by a factor s: the stiffness that is
 left is s^2 EA, and a blow that makes a tension T makes a pressure s T. It shortens the line by
-T / (s EA), which is no more than a half. The slower, the less a line is a strut: but Newton's
-method needs shorter steps where elements are short, and near a floor, where the mesh follows what
-folds. There, and in a bare end, which nothing pulls taut, a line stays straight under all that its
-tension may be wrong by, and s is a tenth.
+T / (s EA), which is no more than a half. What falls faster than its load gathers above it over the
+length s c t that pressure has run, not in one place: s^2 is a part of tau, so that less is gathered
+wrong as less may be. The slower, the less a line is a strut: but Newton's method needs shorter
+steps where elements are short, and near a floor, where the mesh follows what folds. There, and in a
+bare end, which nothing pulls taut, a line stays straight under all that its tension may be wrong
+by, and s is a tenth.
+
+What is slack closes without stretching the material, which damps where it is taut only: at points
+of an element, as a snap runs through it.
 """
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.damping import strain_rate
+from cablemodel.solvers.finite_element.kernels.element.damping import damp_evenly, strain_rate
 from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.strain import (
     folds,
     is_limp,
     promised_tension,
 )
+from cablemodel.solvers.finite_element.kernels.element.tables import P1, WEIGHT, WEIGHT_P1
 from cablemodel.solvers.finite_element.kernels.floor.contact import touchdown_layer
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import material_top
@@ -46,9 +52,10 @@ from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROO
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
 SLOWEST_FOLD = 1e-3  # in sqrt(L/g): rate of folding down to which it dissipates as much
-SLOWER = 0.01  # than tension, at least: pressure in cable that hangs
+LEFT_HANGING = 0.1  # in tau: of its stiffness, what is left to cable that hangs and is pressed
+SHEDS = 1e-3  # of its stiffness: less is left to cable of which no mesh follows how it folds
 BORNE_HANGING = 0.01  # of what tensions may be wrong by: pressure under which that stays straight
-SLOWER_FOLDED = 0.1  # the first of them where the mesh follows what folds
+SLOWER_FOLDED = 0.1  # than tension: pressure where the mesh follows what folds
 HALVED = 0.75  # of the length with which an element was made: a shorter one has been halved
 FOLDS_WITHIN = 1e-4  # tau down to which cable of undamped material does: below, blows do not end
 SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
@@ -171,7 +178,7 @@ def hang_limp(I, M, edge, promised):
     """Let an element that hangs free bend aside; promised: what tensions may be wrong by [N]."""
     state = scalars(M)
     edge.bears = BORNE_HANGING * promised
-    slower = SLOWER
+    slower = math.sqrt(LEFT_HANGING * max(state.tolerance, FOLDS_WITHIN))
     far = header(I).floor_state == FLOOR_FAR
     if edge.pulled == 0.0 or not far or edge.length < HALVED * edge.nominal:
         edge.bears = promised
@@ -184,10 +191,9 @@ def hang_limp(I, M, edge, promised):
 
 @inlined
 def sheds(M, edge, t0, t1):
-    """Whether an element that hangs bends aside, and pushes with about `SLOWER` of what pulls: no
-    mesh need follow how. What stretches much pushes with more."""
-    slow = edge.yields * edge.compliance < SLOWER * SLOWER_FOLDED
-    return edge.bears > 0.0 and slow and folds(M, edge, t0, t1)
+    """Whether an element that hangs bends aside, and hardly pushes: no mesh need follow how. What stretches much pushes with more."""
+    soft = edge.yields * edge.compliance < SHEDS
+    return edge.bears > 0.0 and soft and folds(M, edge, t0, t1)
 
 
 @inlined
@@ -270,20 +276,35 @@ def forget_limp(I, M):
 
 @kernel
 def damp_slack(I, M, node, promised):
-    """Choose the damping that an element which may be slack has in the next step."""
+    """Choose the damping that an element which may be slack has in the next step: that of its
+    material where it is taut, as what is slack closes without stretching it."""
     edge = edge_of(I, M, node)
     t0 = M[header(I).tension + 2 * node]
-    edge.damping = edge.damping_full
-    if is_limp(edge) and t0 < abs(M[header(I).tension + 2 * node + 1]):
-        mean, slope = strain_rate(I, M, node)
+    t1 = M[header(I).tension + 2 * node + 1]
+    if is_limp(edge) and t0 < abs(t1):
+        mean, moment = strain_rate(I, M, node)
         slowest = SLOWEST_FOLD / scalars(M).period
-        edge.damping = edge.yields / max(abs(mean), abs(slope), slowest)
+        damp_evenly(edge, edge.yields / max(abs(mean), abs(moment), slowest))
     elif edge.damping_full != 0.0 and (edge.flexible != 0.0 or edge.yields != 0.0):
-        tension = max(0.0, t0 + holds_straight(I, M, edge))
-        edge.damping = edge.damping_full * min(1.0, tension / promised)
-        mean, _slope = strain_rate(I, M, node)
-        if edge.damping * mean < -tension:
-            edge.damping = -tension / mean
+        holds = edge.bears if edge.yields != 0.0 else holds_straight(I, M, edge)
+        mean, moment = strain_rate(I, M, node)
+        b0 = 0.0
+        b1 = 0.0
+        b2 = 0.0
+        for g in range(3):
+            tension = max(0.0, t0 + t1 * P1[g] + holds)
+            damping = edge.damping_full * min(1.0, tension / promised)
+            rate = mean + 3.0 * moment * P1[g]
+            if damping * rate < -tension:
+                damping = -tension / rate
+            b0 += WEIGHT[g] * damping
+            b1 += WEIGHT_P1[g] * damping
+            b2 += WEIGHT_P1[g] * P1[g] * damping
+        edge.damping = b0
+        edge.damping_01 = 3.0 * b1
+        edge.damping_11 = 9.0 * b2
+    else:
+        damp_evenly(edge, edge.damping_full)
 
 
 @kernel
@@ -310,7 +331,7 @@ def follow_limp(I, M):
         t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
         stays = t0 - abs(t1) > promised or (edge.yields == 0.0 and not folds_now)
         if stays and (edge.damping_full == 0.0 or edge.flexible == 0.0):
-            edge.damping = edge.damping_full
+            damp_evenly(edge, edge.damping_full)
             continue
         if not material:
             count = 2 * head.dimension * head.nodes
