@@ -6,7 +6,16 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 
 from typing import Any
 
-from cablemodel.solvers.finite_element.kernels.element.tables import P1, P2, WD, WEIGHT_P2
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    LOAD,
+    MASS_WD,
+    P1,
+    P2,
+    WD,
+    WE,
+    WEIGHT_P2,
+    WH,
+)
 from cablemodel.solvers.finite_element.kernels.line.products import matrix_vector, two_products
 from cablemodel.solvers.shared.access import header
 from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
@@ -142,6 +151,52 @@ def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[An
                         below[at] += W[pair + 10 * row]
 
     return constraint_gradient, add_tension, combine, scatter
+
+
+def force_kernel(dimension: int, inertia: int, loads: int, bends: int) -> Any:
+    """add_forces for elements of this dimension.
+
+    Words of the workspace W where forces begin, by component: `inertia`, of the four unknowns, and
+    four words on the forces conjugate to r' at the Gauss points, eight words a component; `loads`
+    and `bends`, those conjugate to r and to r'' at the Gauss points, four words a component; four
+    of the result come after them.
+    """
+    by_slopes = matrix_vector(4, 1.0, add=False, columns=7)
+    by_shapes = matrix_vector(4, 1.0, add=True, columns=3)
+    result = bends + 4 * dimension
+
+    @inlined
+    def add_forces(W, edge, a0, a1, drag, above, below, end):
+        """Add the forces of an element to those of its nodes, and write what its ends pull with.
+
+        a0, a1: accelerations of its nodes.
+        """
+        h = edge.length
+        mass = edge.mass * h
+        weight = edge.weight * h
+        r = view(W, result, 4)
+        for i in range(dimension):
+            m = view(W, inertia + 8 * i, 4)
+            m[0] = a0[i] * mass
+            m[1] = a0[dimension + i] * mass * h
+            m[2] = a1[i] * mass
+            m[3] = a1[dimension + i] * mass * h
+            by_slopes(MASS_WD, 0, W, inertia + 8 * i, 1, r, 0)
+            if drag != 0:
+                by_shapes(WH, 0, W, loads + 4 * i, 1, r, 0)
+            if edge.bending != 0.0:
+                by_shapes(WE, 0, W, bends + 4 * i, 1, r, 0)
+            if i == dimension - 1:
+                for k in range(4):
+                    r[k] += weight * LOAD[k]
+            above[i] += r[0]
+            above[dimension + i] += h * r[1]
+            below[i] += r[2]
+            below[dimension + i] += h * r[3]
+            end[i] = -r[0]
+            end[dimension + i] = r[2]
+
+    return add_forces
 
 
 def constraint_kernels(dimension: int) -> tuple[Any, Any]:

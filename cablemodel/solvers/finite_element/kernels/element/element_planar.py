@@ -10,6 +10,7 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
+    force_kernel,
     pair_kernels,
     third_tension,
 )
@@ -59,9 +60,9 @@ from cablemodel.solvers.shared.strain import strain_and_slope
 CX, CZ = 0, 4  # water velocity
 G, TX, TZ = 12, 16, 20
 FX, FZ = 28, 32  # conjugate to r
-PX, PZ = 40, 44  # conjugate to r'
-QX, QZ = 52, 56  # conjugate to r''
-R = 64  # element vector
+INERTIA = 40  # of the four unknowns, before each component of what is conjugate to r'
+PX, PZ = 44, 52  # conjugate to r'
+QX, QZ = 56, 60  # conjugate to r''; then four words of the forces of nodes
 TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
 JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
 # Rows of four words: the pairs of components xx, xz, zx, zz.
@@ -76,6 +77,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
+add_forces = force_kernel(2, INERTIA, FX, QX)
 with_damping = damping_kernel(2, TX)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
@@ -142,8 +144,8 @@ def add_bending_forces(W, x0, x1, h, bending):
         c = bending * ig * k
         W[PX + g] -= c * (k * tx - beta * tz)
         W[PZ + g] -= c * (k * tz + beta * tx)
-        W[QX + g] = -c * tz
-        W[QZ + g] = c * tx
+        W[QX + g] = -ih * (c * tz)
+        W[QZ + g] = ih * (c * tx)
 
 
 @inlined
@@ -177,8 +179,8 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         un = uz * tx - ux * tz
         along = root * ct * abs(ut) * ut + added * (wx * tx + wz * tz)
         across = root * cn * abs(un) * un
-        W[FX + g] = across * tz - along * tx
-        W[FZ + g] = -across * tx - along * tz
+        W[FX + g] = h * (across * tz - along * tx)
+        W[FZ + g] = -h * (across * tx + along * tz)
 
 
 @kernel
@@ -263,52 +265,16 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 edge.added_mass,
             )
 
-        mass = edge.mass * h
-        weight = edge.weight * h
-        ih = 1.0 / h
-        above = view(out, 4 * parent, 4)
-        below = view(out, 4 * node, 4)
-        end = view(ends, 4 * node, 4)
-        for i in range(2):
-            p = view(W, PX + 4 * i, 4)
-            a0i = a0[i] * mass
-            a1i = a0[2 + i] * mass * h
-            a2i = a1[i] * mass
-            a3i = a1[2 + i] * mass * h
-            r = view(W, R, 4)
-            for k in range(4):
-                r[k] = (
-                    a0i * MASS[0, k]
-                    + a1i * MASS[1, k]
-                    + a2i * MASS[2, k]
-                    + a3i * MASS[3, k]
-                    + p[0] * WD[0, k]
-                    + p[1] * WD[1, k]
-                    + p[2] * WD[2, k]
-                )
-            if drag != 0:
-                f = view(W, FX + 4 * i, 4)
-                f0 = h * f[0]
-                f1 = h * f[1]
-                f2 = h * f[2]
-                for k in range(4):
-                    r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
-            if bending != 0.0:
-                y = view(W, QX + 4 * i, 4)
-                y0 = y[0] * ih
-                y1 = y[1] * ih
-                y2 = y[2] * ih
-                for k in range(4):
-                    r[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
-            if i == 1:
-                for k in range(4):
-                    r[k] += weight * LOAD[k]
-            above[i] += r[0]
-            above[2 + i] += h * r[1]
-            below[i] += r[2]
-            below[2 + i] += h * r[3]
-            end[i] = -r[0]
-            end[2 + i] = r[2]
+        add_forces(
+            W,
+            edge,
+            a0,
+            a1,
+            drag,
+            view(out, 4 * parent, 4),
+            view(out, 4 * node, 4),
+            view(ends, 4 * node, 4),
+        )
 
 
 @inlined

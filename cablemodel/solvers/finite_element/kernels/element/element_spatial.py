@@ -14,6 +14,7 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
+    force_kernel,
     pair_kernels,
     third_tension,
 )
@@ -65,9 +66,9 @@ TINY = 1e-30  # keeps |u_n| from dividing by zero
 CX, CY, CZ = 0, 4, 8  # water velocity
 G, TX, TY, TZ = 12, 16, 20, 24
 FX, FY, FZ = 28, 32, 36  # conjugate to r
-PX, PY, PZ = 40, 44, 48  # conjugate to r'
-QX, QY, QZ = 52, 56, 60  # conjugate to r''
-AX = 64  # element vector: 12 words
+INERTIA = 40  # of the four unknowns, before each component of what is conjugate to r'
+PX, PY, PZ = 44, 52, 60  # conjugate to r'
+QX, QY, QZ = 64, 68, 72  # conjugate to r''; then four words of the forces of nodes
 # Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
 ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
 ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
@@ -81,6 +82,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
+add_forces = force_kernel(3, INERTIA, FX, QX)
 with_damping = damping_kernel(3, TX)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
@@ -164,9 +166,9 @@ def add_bending_forces(W, x0, x1, h, bending):
         W[PX + g] -= c * (kk * tx + beta * kx)
         W[PY + g] -= c * (kk * ty + beta * ky)
         W[PZ + g] -= c * (kk * tz + beta * kz)
-        W[QX + g] = c * kx
-        W[QY + g] = c * ky
-        W[QZ + g] = c * kz
+        W[QX + g] = ih * (c * kx)
+        W[QY + g] = ih * (c * ky)
+        W[QZ + g] = ih * (c * kz)
 
 
 @inlined
@@ -214,9 +216,9 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         un = math.sqrt(nx * nx + ny * ny + nz * nz)
         fn = root * cn * un
         along = root * ct * abs(ut) * ut + added * (wx * tx + wy * ty + wz * tz)
-        W[FX + g] = -(fn * nx + along * tx)
-        W[FY + g] = -(fn * ny + along * ty)
-        W[FZ + g] = -(fn * nz + along * tz)
+        W[FX + g] = -h * (fn * nx + along * tx)
+        W[FY + g] = -h * (fn * ny + along * ty)
+        W[FZ + g] = -h * (fn * nz + along * tz)
 
 
 @kernel
@@ -307,52 +309,16 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 edge.added_mass,
             )
 
-        mass = edge.mass * h
-        weight = edge.weight * h
-        ih = 1.0 / h
-        above = view(out, 6 * parent, 6)
-        below = view(out, 6 * node, 6)
-        end = view(ends, 6 * node, 6)
-        for i in range(3):
-            p = view(W, PX + 4 * i, 4)
-            a0i = a0[i] * mass
-            a1i = a0[3 + i] * mass * h
-            a2i = a1[i] * mass
-            a3i = a1[3 + i] * mass * h
-            R = view(W, AX, 4)
-            for k in range(4):
-                R[k] = (
-                    a0i * MASS[0, k]
-                    + a1i * MASS[1, k]
-                    + a2i * MASS[2, k]
-                    + a3i * MASS[3, k]
-                    + p[0] * WD[0, k]
-                    + p[1] * WD[1, k]
-                    + p[2] * WD[2, k]
-                )
-            if drag != 0:
-                f = view(W, FX + 4 * i, 4)
-                f0 = h * f[0]
-                f1 = h * f[1]
-                f2 = h * f[2]
-                for k in range(4):
-                    R[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
-            if bending != 0.0:
-                y = view(W, QX + 4 * i, 4)
-                y0 = y[0] * ih
-                y1 = y[1] * ih
-                y2 = y[2] * ih
-                for k in range(4):
-                    R[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
-            if i == 2:
-                for k in range(4):
-                    R[k] += weight * LOAD[k]
-            above[i] += R[0]
-            above[3 + i] += h * R[1]
-            below[i] += R[2]
-            below[3 + i] += h * R[3]
-            end[i] = -R[0]
-            end[3 + i] = R[2]
+        add_forces(
+            W,
+            edge,
+            a0,
+            a1,
+            drag,
+            view(out, 6 * parent, 6),
+            view(out, 6 * node, 6),
+            view(ends, 6 * node, 6),
+        )
 
 
 @inlined
