@@ -314,14 +314,30 @@ def tangent_matrices(
         W[j + 48 + NN] = c3
     if drag == 0:
         return
+    ax = v0[0]
+    az = v0[1]
+    bx = v0[2]
+    bz = v0[3]
+    cx = v1[0]
+    cz = v1[1]
+    dx = v1[2]
+    dz = v1[3]
+    ex = a0[0]
+    ez = a0[1]
+    fx = a0[2]
+    fz = a0[3]
+    gx = a1[0]
+    gz = a1[1]
+    hx = a1[2]
+    hz = a1[3]
     for g in range(4):
         ig = 1.0 / W[G + g]
         tx = W[TX + g]
         tz = W[TZ + g]
-        ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[2] * H1[g] + v1[2] * H3[g]))
-        uz = W[CZ + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
-        wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[2] * H1[g] + a1[2] * H3[g])
-        wz = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
+        ux = W[CX + g] - (ax * H0[g] + cx * H2[g] + h * (bx * H1[g] + dx * H3[g]))
+        uz = W[CZ + g] - (az * H0[g] + cz * H2[g] + h * (bz * H1[g] + dz * H3[g]))
+        wx = ex * H0[g] + gx * H2[g] + h * (fx * H1[g] + hx * H3[g])
+        wz = ez * H0[g] + gz * H2[g] + h * (fz * H1[g] + hz * H3[g])
         root = math.sqrt(W[G + g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz
