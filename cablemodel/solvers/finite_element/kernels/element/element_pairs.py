@@ -6,6 +6,7 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 
 from typing import Any
 
+from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     LOAD,
     MASS_WD,
@@ -13,15 +14,19 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     P2,
     WD,
     WE,
+    WEIGHT,
+    WEIGHT_P1,
     WEIGHT_P2,
     WH,
 )
 from cablemodel.solvers.finite_element.kernels.line.products import matrix_vector, two_products
-from cablemodel.solvers.shared.access import header
+from cablemodel.solvers.shared.access import edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     ELEMENT_WORDS,
+    GAUSS_WORDS,
 )
+from cablemodel.solvers.shared.strain import strain_and_slope
 
 
 @inlined
@@ -32,6 +37,66 @@ def third_tension(W, stretched, edge):
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[stretched + g] - 1.0)
     return 5.0 * edge.stabilisation * e2 - edge.third_rest
+
+
+@inlined
+def strain_missed(M, W, stretched, edge, t0, t1):
+    """Means over an element of |r'| - 1 - strain under the tension t0 + t1 P1, alone and times P1;
+    |r'| at its Gauss points begins at the word `stretched` of W."""
+    r0 = 0.0
+    r1 = 0.0
+    if edge.strain_terms == 1.0:
+        for g in range(3):
+            r0 += WEIGHT[g] * (W[stretched + g] - 1.0)
+            r1 += WEIGHT_P1[g] * (W[stretched + g] - 1.0)
+        c = edge.compliance
+        r0 -= c * t0
+        r1 -= c * t1 * (1.0 / 3.0)
+    else:
+        for g in range(3):
+            strain, _slope = strain_and_slope(
+                M,
+                t0 + t1 * P1[g],
+                edge.tension_low,
+                edge.tension_high,
+                int(edge.strain_offset),
+                int(edge.strain_terms),
+            )
+            r0 += WEIGHT[g] * (W[stretched + g] - 1.0 - strain)
+            r1 += WEIGHT_P1[g] * (W[stretched + g] - 1.0 - strain)
+    if may_be_slack(edge, t0, t1):
+        aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
+        r0 -= aside0
+        r1 -= aside1
+    return r0, r1
+
+
+def missed_kernel(dimension: int, geometry: Any, stretched: int) -> Any:
+    """constraints(I, M, q, tension, out): of all elements of this dimension, as their residuals
+    have them."""
+    size = 2 * dimension
+
+    @kernel
+    def constraints(I, M, q, tension, out):
+        head = header(I)
+        W = view(M, head.gauss, GAUSS_WORDS)
+        for node in range(1, head.nodes):
+            out[2 * node] = 0.0
+            out[2 * node + 1] = 0.0
+            if I[head.joint + node] != 0:
+                continue
+            edge = edge_of(I, M, node)
+            h = edge.length
+            geometry(
+                W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h
+            )
+            r0, r1 = strain_missed(
+                M, W, stretched, edge, tension[2 * node], tension[2 * node + 1]
+            )
+            out[2 * node] = h * r0
+            out[2 * node + 1] = h * r1
+
+    return constraints
 
 
 def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:

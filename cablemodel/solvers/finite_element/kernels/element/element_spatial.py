@@ -15,7 +15,9 @@ from cablemodel.solvers.finite_element.kernels.element.damping import damping_ke
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
     force_kernel,
+    missed_kernel,
     pair_kernels,
+    strain_missed,
     third_tension,
 )
 from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
@@ -122,6 +124,9 @@ def geometry(W, x0, x1, h):
         W[TX + g] = px * i
         W[TY + g] = py * i
         W[TZ + g] = pz * i
+
+
+constraints_spatial = missed_kernel(3, geometry, G)
 
 
 @inlined
@@ -262,31 +267,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
         axial_forces(W, pull0, pull1, third_tension(W, G, edge))
 
-        r0 = 0.0
-        r1 = 0.0
-        if edge.strain_terms == 1.0:
-            for g in range(3):
-                r0 += WEIGHT[g] * (W[G + g] - 1.0)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = edge.compliance
-            r0 -= c * t0
-            r1 -= c * t1 * (1.0 / 3.0)
-        else:
-            for g in range(3):
-                strain, _slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
-        if may_be_slack(edge, t0, t1):
-            aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
-            r0 -= aside0
-            r1 -= aside1
+        r0, r1 = strain_missed(M, W, G, edge, t0, t1)
         out_constraint[2 * node] = h * r0
         out_constraint[2 * node + 1] = h * r1
 

@@ -30,12 +30,14 @@ from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import (
 )
 from cablemodel.solvers.finite_element.kernels.element.element_planar import (
     condense_planar,
+    constraints_planar,
     jacobian_planar,
     residual_planar,
     stretch_rate_planar,
 )
 from cablemodel.solvers.finite_element.kernels.element.element_spatial import (
     condense_spatial,
+    constraints_spatial,
     jacobian_spatial,
     residual_spatial,
     stretch_rate_spatial,
@@ -138,6 +140,22 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         free_residual(I, M, state.stage_time, out)
         if head.closure_count != 0:
             close(I, M, q, out)
+
+
+@kernel
+def constraints(I, M, q, v, a, tension, forces, out):
+    """Constraint residuals as `residual` finds them; it is called where bodies and the cells of a
+    sea remember its last state, else `forces` stay."""
+    head = header(I)
+    if head.parts != 0 or head.rigid > 0 or head.wave_count != 0:
+        residual(I, M, q, v, a, tension, forces, out)
+        return
+    if head.payout != 0:
+        material_top(I, M, q, v, a)
+    if head.dimension == 2:
+        constraints_planar(I, M, q, tension, out)
+    else:
+        constraints_spatial(I, M, q, tension, out)
 
 
 @kernel
@@ -464,7 +482,7 @@ def recover_tension(I, M, constraint, x, tension, iterates):
 def material_stretch_rate(I, M, v, out):
     """Rate of |r'| in the constraint residuals, of the cable, not of the mesh past which it runs.
 
-    With pay-out the last residual was that of these velocities.
+    With pay-out the last residual or constraints were those of these velocities.
     """
     head = header(I)
     if head.payout == 0:
