@@ -71,6 +71,42 @@ def strain_missed(M, W, stretched, edge, t0, t1):
     return r0, r1
 
 
+@inlined
+def invert_compliance(M, edge, t0, t1, stored):
+    """Inverse S of an element's compliance under the tension t0 + t1 P1: its three components,
+    which are stored too."""
+    h = edge.length
+    c00 = 0.0
+    c01 = 0.0
+    c11 = 0.0
+    if edge.strain_terms == 1.0:
+        c00 = h * edge.compliance
+        c11 = c00 / 3.0
+    else:
+        for g in range(3):
+            _strain, slope = strain_and_slope(
+                M,
+                t0 + t1 * P1[g],
+                edge.tension_low,
+                edge.tension_high,
+                int(edge.strain_offset),
+                int(edge.strain_terms),
+            )
+            c00 += h * WEIGHT[g] * slope
+            c01 += h * WEIGHT_P1[g] * slope
+            c11 += h * WEIGHT_P1[g] * P1[g] * slope
+    if may_be_slack(edge, t0, t1):
+        _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
+        c00 += h * d00
+        c01 += h * d01
+        c11 += h * d11
+    determinant = 1.0 / (c00 * c11 - c01 * c01)
+    stored[0] = c11 * determinant
+    stored[1] = -c01 * determinant
+    stored[2] = c00 * determinant
+    return stored[0], stored[1], stored[2]
+
+
 def missed_kernel(dimension: int, geometry: Any, stretched: int) -> Any:
     """constraints(I, M, q, tension, out): of all elements of this dimension, as their residuals
     have them."""
@@ -87,16 +123,34 @@ def missed_kernel(dimension: int, geometry: Any, stretched: int) -> Any:
                 continue
             edge = edge_of(I, M, node)
             h = edge.length
-            geometry(
-                W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h
-            )
-            r0, r1 = strain_missed(
-                M, W, stretched, edge, tension[2 * node], tension[2 * node + 1]
-            )
+            geometry(W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h)
+            r0, r1 = strain_missed(M, W, stretched, edge, tension[2 * node], tension[2 * node + 1])
             out[2 * node] = h * r0
             out[2 * node + 1] = h * r1
 
     return constraints
+
+
+def gradient_kernel(dimension: int, geometry: Any, constraint_gradient: Any) -> Any:
+    """gradients(I, M, q, tension): those of the constraints, and S, as a Jacobian stores them."""
+    size = 2 * dimension
+    words = 4 * size
+
+    @kernel
+    def gradients(I, M, q, tension):
+        head = header(I)
+        W = view(M, head.gauss, GAUSS_WORDS)
+        for node in range(1, head.nodes):
+            if I[head.joint + node] != 0:
+                continue
+            edge = edge_of(I, M, node)
+            h = edge.length
+            geometry(W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h)
+            constraint_gradient(W, h, view(M, head.gradient + words * node, words))
+            stiffness = view(M, head.compliance + 3 * node, 3)
+            invert_compliance(M, edge, tension[2 * node], tension[2 * node + 1], stiffness)
+
+    return gradients
 
 
 def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:

@@ -15,12 +15,13 @@ from cablemodel.solvers.finite_element.kernels.element.damping import damping_ke
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
     force_kernel,
+    gradient_kernel,
+    invert_compliance,
     missed_kernel,
     pair_kernels,
     strain_missed,
     third_tension,
 )
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
     D2,
@@ -37,16 +38,9 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     LINES_DE,
     LINES_H,
     LINES_HD,
-    LOAD,
-    MASS,
     MASS_PAIRS,
     P1,
     P2,
-    WD,
-    WE,
-    WEIGHT,
-    WEIGHT_P1,
-    WH,
 )
 from cablemodel.solvers.finite_element.kernels.line.products import table_product
 from cablemodel.solvers.finite_element.kernels.water.waves import (
@@ -60,7 +54,6 @@ from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import (
     GAUSS_WORDS,
 )
-from cablemodel.solvers.shared.strain import strain_and_slope
 
 TINY = 1e-30  # keeps |u_n| from dividing by zero
 
@@ -127,6 +120,7 @@ def geometry(W, x0, x1, h):
 
 
 constraints_spatial = missed_kernel(3, geometry, G)
+gradients_spatial = gradient_kernel(3, geometry, constraint_gradient)
 
 
 @inlined
@@ -578,38 +572,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
 
         # Gradient of the constraints, and the compliance.
         constraint_gradient(W, h, view(M, head.gradient + 24 * node, 24))
-        c00 = 0.0
-        c01 = 0.0
-        c11 = 0.0
-        if edge.strain_terms == 1.0:
-            c00 = h * edge.compliance
-            c11 = c00 / 3.0
-        else:
-            for g in range(3):
-                _strain, slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                c00 += h * WEIGHT[g] * slope
-                c01 += h * WEIGHT_P1[g] * slope
-                c11 += h * WEIGHT_P1[g] * P1[g] * slope
-        if may_be_slack(edge, t0, t1):
-            _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
-            c00 += h * d00
-            c01 += h * d01
-            c11 += h * d11
-        determinant = 1.0 / (c00 * c11 - c01 * c01)
-        s00 = c11 * determinant
-        s01 = -c01 * determinant
-        s11 = c00 * determinant
         stiffness = view(M, head.compliance + 3 * node, 3)
-        stiffness[0] = s00
-        stiffness[1] = s01
-        stiffness[2] = s11
+        s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
         s22 = 5.0 * eas / h
         s00 += cv * edge.damping / h
         s11 += 3.0 * cv * edge.damping / h

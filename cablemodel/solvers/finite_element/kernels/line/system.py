@@ -31,6 +31,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import (
 from cablemodel.solvers.finite_element.kernels.element.element_planar import (
     condense_planar,
     constraints_planar,
+    gradients_planar,
     jacobian_planar,
     residual_planar,
     stretch_rate_planar,
@@ -38,6 +39,7 @@ from cablemodel.solvers.finite_element.kernels.element.element_planar import (
 from cablemodel.solvers.finite_element.kernels.element.element_spatial import (
     condense_spatial,
     constraints_spatial,
+    gradients_spatial,
     jacobian_spatial,
     residual_spatial,
     stretch_rate_spatial,
@@ -89,7 +91,7 @@ from cablemodel.solvers.shared.access import (
     scalars,
     winch_of,
 )
-from cablemodel.solvers.shared.compile import kernel, outlined, view
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_profile, prescribed_motion, vessel_motion
 from cablemodel.solvers.shared.layout import (
     EXACTLY,
@@ -142,12 +144,19 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
             close(I, M, q, out)
 
 
+@inlined
+def remembers(I):
+    """Whether forces go by what was found before: at bodies, and in the cells of a sea. Then all is
+    found where constraints alone are asked for."""
+    head = header(I)
+    return head.parts != 0 or head.rigid > 0 or head.wave_count != 0
+
+
 @kernel
 def constraints(I, M, q, v, a, tension, forces, out):
-    """Constraint residuals as `residual` finds them; it is called where bodies and the cells of a
-    sea remember its last state, else `forces` stay."""
+    """Constraint residuals as `residual` finds them, which may find `forces` too."""
     head = header(I)
-    if head.parts != 0 or head.rigid > 0 or head.wave_count != 0:
+    if remembers(I):
         residual(I, M, q, v, a, tension, forces, out)
         return
     if head.payout != 0:
@@ -352,6 +361,19 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
         free_jacobian(I, M, state.stage_time, q, v, a, ca, cv)
         if head.closure_count != 0:
             close_jacobian(I, M, q, v, a)
+
+
+@kernel
+def find_gradients(I, M, q, tension):
+    """Those of the constraints, as a Jacobian stores them; no matrix fits to them. Not of what
+    `remembers`."""
+    head = header(I)
+    keep_matrix(I)
+    if head.dimension == 2:
+        gradients_planar(I, M, q, tension)
+    else:
+        gradients_spatial(I, M, q, tension)
+    head.factored = 0
 
 
 @outlined

@@ -19,9 +19,11 @@ from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.line.system import (
     constraints,
     elongation_rate,
+    find_gradients,
     impose_motion,
     newton_increment,
     recover_tension,
+    remembers,
     residual,
     set_time,
     stretch_rate,
@@ -278,12 +280,17 @@ def take_rates_from_velocity(I, M):
     """
     head = header(I)
     state = scalars(M)
-    if refactor_state(I, M, GAMMA[0] * state.last_step) != 0:
+    count = 2 * head.dimension * head.nodes
+    if not remembers(I):
+        set_time(I, M, state.time)
+        q = view(M, head.position, count)
+        find_gradients(I, M, q, view(M, head.tension, 2 * head.nodes))
+    elif refactor_state(I, M, GAMMA[0] * state.last_step) != 0:
         return
     if head.payout != 0:
         state_constraints(I, M)
     state_elongation_rate(I, M)
-    x = view(M, head.increment, 2 * head.dimension * head.nodes)
+    x = view(M, head.increment, count)
     x[:] = 0.0
     follow_increment(I, M, head.tension_rate)
 
