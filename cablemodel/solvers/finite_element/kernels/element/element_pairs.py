@@ -272,17 +272,15 @@ def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[An
     return constraint_gradient, add_tension, combine, scatter
 
 
-def force_kernel(dimension: int, inertia: int, loads: int, bends: int) -> Any:
+def force_kernel(dimension: int, loads: int, pulls: int, bends: int) -> Any:
     """add_forces for elements of this dimension.
 
-    Words of the workspace W where forces begin, by component: `inertia`, of the four unknowns, and
-    four words on the forces conjugate to r' at the Gauss points, eight words a component; `loads`
-    and `bends`, those conjugate to r and to r'' at the Gauss points, four words a component; four
-    of the result come after them.
+    loads, pulls, bends: words of the workspace W where forces conjugate to r, r' and r'' at the
+    Gauss points begin, times h, 1 and 1 / h, four words a component.
     """
-    by_slopes = matrix_vector(4, 1.0, add=False, columns=7)
+    by_mass_and_slopes = matrix_vector(4, 1.0, add=False, columns=7)
     by_shapes = matrix_vector(4, 1.0, add=True, columns=3)
-    result = bends + 4 * dimension
+    seven_numbers, four_numbers = own_numbers(7), own_numbers(4)
 
     @inlined
     def add_forces(W, edge, a0, a1, drag, above, below, end):
@@ -293,14 +291,16 @@ def force_kernel(dimension: int, inertia: int, loads: int, bends: int) -> Any:
         h = edge.length
         mass = edge.mass * h
         weight = edge.weight * h
-        r = view(W, result, 4)
+        x = seven_numbers()
+        r = four_numbers()
         for i in range(dimension):
-            m = view(W, inertia + 8 * i, 4)
-            m[0] = a0[i] * mass
-            m[1] = a0[dimension + i] * mass * h
-            m[2] = a1[i] * mass
-            m[3] = a1[dimension + i] * mass * h
-            by_slopes(MASS_WD, 0, W, inertia + 8 * i, 1, r, 0)
+            x[0] = a0[i] * mass
+            x[1] = a0[dimension + i] * mass * h
+            x[2] = a1[i] * mass
+            x[3] = a1[dimension + i] * mass * h
+            for g in range(3):
+                x[4 + g] = W[pulls + 4 * i + g]
+            by_mass_and_slopes(MASS_WD, 0, x, 0, 1, r, 0)
             if drag != 0:
                 by_shapes(WH, 0, W, loads + 4 * i, 1, r, 0)
             if edge.bending != 0.0:

@@ -54,10 +54,9 @@ from cablemodel.solvers.shared.layout import (
 # Slots of four words in the Gauss workspace.
 CX, CZ = 0, 4  # water velocity
 G, TX, TZ = 12, 16, 20
-FX, FZ = 28, 32  # conjugate to r
-INERTIA = 40  # of the four unknowns, before each component of what is conjugate to r'
-PX, PZ = 44, 52  # conjugate to r'
-QX, QZ = 56, 60  # conjugate to r''; then four words of the forces of nodes
+FX, FZ = 28, 32  # conjugate to r, times h
+PX, PZ = 40, 44  # conjugate to r'
+QX, QZ = 52, 56  # conjugate to r'', over h
 TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
 JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
 # Rows of four words: the pairs of components xx, xz, zx, zz.
@@ -72,7 +71,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
-add_forces = force_kernel(2, INERTIA, FX, QX)
+add_forces = force_kernel(2, FX, PX, QX)
 with_damping = damping_kernel(2, TX)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 

@@ -60,10 +60,9 @@ TINY = 1e-30  # keeps |u_n| from dividing by zero
 # Slots of four words in the Gauss workspace.
 CX, CY, CZ = 0, 4, 8  # water velocity
 G, TX, TY, TZ = 12, 16, 20, 24
-FX, FY, FZ = 28, 32, 36  # conjugate to r
-INERTIA = 40  # of the four unknowns, before each component of what is conjugate to r'
-PX, PY, PZ = 44, 52, 60  # conjugate to r'
-QX, QY, QZ = 64, 68, 72  # conjugate to r''; then four words of the forces of nodes
+FX, FY, FZ = 28, 32, 36  # conjugate to r, times h
+PX, PY, PZ = 40, 44, 48  # conjugate to r'
+QX, QY, QZ = 52, 56, 60  # conjugate to r'', over h
 # Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
 ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
 ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
@@ -77,7 +76,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
-add_forces = force_kernel(3, INERTIA, FX, QX)
+add_forces = force_kernel(3, FX, PX, QX)
 with_damping = damping_kernel(3, TX)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
