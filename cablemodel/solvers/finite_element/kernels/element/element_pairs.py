@@ -6,7 +6,11 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 
 from typing import Any
 
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
+from cablemodel.solvers.finite_element.kernels.element.strain import (
+    may_be_slack,
+    moments_aside,
+    strain_in,
+)
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     LOAD,
     MASS_WD,
@@ -26,7 +30,6 @@ from cablemodel.solvers.shared.layout import (
     ELEMENT_WORDS,
     GAUSS_WORDS,
 )
-from cablemodel.solvers.shared.strain import strain_and_slope
 
 
 @inlined
@@ -54,14 +57,7 @@ def strain_missed(M, W, stretched, edge, t0, t1):
         r1 -= c * t1 * (1.0 / 3.0)
     else:
         for g in range(3):
-            strain, _slope = strain_and_slope(
-                M,
-                t0 + t1 * P1[g],
-                edge.tension_low,
-                edge.tension_high,
-                int(edge.strain_offset),
-                int(edge.strain_terms),
-            )
+            strain, _slope = strain_in(M, edge, t0 + t1 * P1[g])
             r0 += WEIGHT[g] * (W[stretched + g] - 1.0 - strain)
             r1 += WEIGHT_P1[g] * (W[stretched + g] - 1.0 - strain)
     if may_be_slack(edge, t0, t1):
@@ -84,14 +80,7 @@ def invert_compliance(M, edge, t0, t1, stored):
         c11 = c00 / 3.0
     else:
         for g in range(3):
-            _strain, slope = strain_and_slope(
-                M,
-                t0 + t1 * P1[g],
-                edge.tension_low,
-                edge.tension_high,
-                int(edge.strain_offset),
-                int(edge.strain_terms),
-            )
+            _strain, slope = strain_in(M, edge, t0 + t1 * P1[g])
             c00 += h * WEIGHT[g] * slope
             c01 += h * WEIGHT_P1[g] * slope
             c11 += h * WEIGHT_P1[g] * P1[g] * slope
