@@ -99,7 +99,7 @@ def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = No
     def product(
         matrix: Any, at: Any, vector: Any, start: Any, stride: Any, out: Any, to: Any
     ) -> None:
-        block = matrix[at : at + size * terms].reshape(terms, size)
+        block = matrix.ravel()[at : at + size * terms].reshape(terms, size)
         total = np.array([vector[start + k * stride] for k in range(terms)]) @ block
         out[to : to + size] = out[to : to + size] + sign * total if add else total
 

@@ -179,10 +179,10 @@ def entry_points(part: str) -> dict[str, Any]:
 
 def main(part: str, folder: Path) -> None:
     """Compile here and now; run in a process with the environment PORTABLE."""
-    from cablemodel.solvers.shared.compile import calls_resolved_once
+    from cablemodel.solvers.shared.compile import calls_resolved_once, indices_from_zero
 
     gc.set_threshold(*SELDOM)
-    with calls_resolved_once():
+    with calls_resolved_once(), indices_from_zero():
         assembly, arguments = native_module(entry_points(part))
     for name, text in (
         ("arguments.json", json.dumps(arguments, indent=1)),

@@ -1,17 +1,23 @@
 """While kernels are compiled numba remembers what calls mean; then it is as it was."""
 
+import ast
+from pathlib import Path
+
 import numba
 import numpy as np
 import pytest
 from numba import float64, int64
 from numba.core.types.functions import BaseFunction
 
+import cablemodel
+from cablemodel.solvers.library import KERNELS
 from cablemodel.solvers.shared.compile import (
     INTEGERS,
     OPTIONS,
     REALS,
     calls_resolved_once,
     entry_point,
+    indices_from_zero,
 )
 
 
@@ -56,6 +62,34 @@ def test_what_is_compiled_is_the_same_with_fewer_resolutions(resolutions):
         remembering.compile(signature)
     assert len(resolutions) < 0.7 * without
     assert plain(*_arguments()) == remembering(*_arguments()) == _mixed(*_arguments())
+
+
+def _second_word_less(ints, words):
+    return ints[1:][-words]
+
+
+def test_an_index_counts_from_the_begin_in_kernels_alone():
+    signature = int64(INTEGERS, int64)
+    ints = np.array([5, 6, 7, 8])
+    kernel, plain = numba.jit(**OPTIONS)(_second_word_less), numba.jit(**OPTIONS)(_second_word_less)
+    with indices_from_zero():
+        kernel.compile(signature)
+    plain.compile(signature)
+    assert kernel(ints, 1) == 5
+    assert plain(ints, 1) == 8
+
+
+def test_no_kernel_counts_from_the_end():
+    solvers = Path(cablemodel.__file__).parent / "solvers"
+    for folder in KERNELS:
+        for path in (solvers / folder).rglob("*.py"):
+            for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if not isinstance(function, ast.FunctionDef):
+                    continue
+                for found in ast.walk(function):
+                    if isinstance(found, ast.Subscript):
+                        index = found.slice
+                        assert not isinstance(index, ast.UnaryOp), f"{path}:{found.lineno}"
 
 
 def test_numba_is_as_it_was_afterwards():

@@ -33,6 +33,7 @@ from numba.extending import (
     models,
     register_model,
 )
+from numba.np import arrayobj
 from numba.np.arrayobj import make_array, populate_array
 
 from cablemodel.cache import cache_root
@@ -248,6 +249,27 @@ def calls_resolved_once() -> Iterator[None]:
             built_in.get_call_type = resolve
 
 
+@contextmanager
+def indices_from_zero() -> Iterator[None]:
+    """While kernels are compiled: an index counts from the array's begin, as in C.
+
+    Numba looks at every index that may be negative whether it counts from the end: a twentieth of a
+    step's instructions and of the library, and loops that are not vectorised. None is in a kernel.
+    """
+    arrays: Any = arrayobj
+    fix_integer_index = arrays.fix_integer_index
+
+    def from_zero(context: Any, builder: Any, kind: Any, index: Any, size: Any) -> Any:
+        return context.cast(builder, index, kind, types.intp)
+
+    with global_compiler_lock:
+        arrays.fix_integer_index = from_zero
+        try:
+            yield
+        finally:
+            arrays.fix_integer_index = fix_integer_index
+
+
 def entry_point(
     signature: Any, folder: Callable[[], Path] = cache_folder
 ) -> Callable[[Callable[..., Any]], Any]:
@@ -269,7 +291,7 @@ def entry_point(
         compiled = dispatcher.compile
 
         def compile_remembering(signature: Any) -> Any:
-            with calls_resolved_once():
+            with calls_resolved_once(), indices_from_zero():
                 return compiled(signature)
 
         dispatcher.compile = compile_remembering

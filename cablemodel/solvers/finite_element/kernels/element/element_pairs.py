@@ -6,12 +6,29 @@ their slopes, with a word for every pair of components (see tables.py for the pa
 
 from typing import Any
 
-from cablemodel.solvers.finite_element.kernels.element.tables import P1, P2, WD, WEIGHT_P2
+from cablemodel.solvers.finite_element.kernels.element.strain import (
+    may_be_slack,
+    moments_aside,
+    strain_in,
+)
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    LOAD,
+    MASS_WD,
+    P1,
+    P2,
+    WD,
+    WE,
+    WEIGHT,
+    WEIGHT_P1,
+    WEIGHT_P2,
+    WH,
+)
 from cablemodel.solvers.finite_element.kernels.line.products import matrix_vector, two_products
-from cablemodel.solvers.shared.access import header
+from cablemodel.solvers.shared.access import edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     ELEMENT_WORDS,
+    GAUSS_WORDS,
 )
 
 
@@ -23,6 +40,106 @@ def third_tension(W, stretched, edge):
     for g in range(3):
         e2 += WEIGHT_P2[g] * (W[stretched + g] - 1.0)
     return 5.0 * edge.stabilisation * e2 - edge.third_rest
+
+
+@inlined
+def strain_missed(M, W, stretched, edge, t0, t1):
+    """Means over an element of |r'| - 1 - strain under the tension t0 + t1 P1, alone and times P1;
+    |r'| at its Gauss points begins at the word `stretched` of W."""
+    r0 = 0.0
+    r1 = 0.0
+    if edge.strain_terms == 1.0:
+        for g in range(3):
+            r0 += WEIGHT[g] * (W[stretched + g] - 1.0)
+            r1 += WEIGHT_P1[g] * (W[stretched + g] - 1.0)
+        c = edge.compliance
+        r0 -= c * t0
+        r1 -= c * t1 * (1.0 / 3.0)
+    else:
+        for g in range(3):
+            strain, _slope = strain_in(M, edge, t0 + t1 * P1[g])
+            r0 += WEIGHT[g] * (W[stretched + g] - 1.0 - strain)
+            r1 += WEIGHT_P1[g] * (W[stretched + g] - 1.0 - strain)
+    if may_be_slack(edge, t0, t1):
+        aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
+        r0 -= aside0
+        r1 -= aside1
+    return r0, r1
+
+
+@inlined
+def invert_compliance(M, edge, t0, t1, stored):
+    """Inverse S of an element's compliance under the tension t0 + t1 P1: its three components,
+    which are stored too."""
+    h = edge.length
+    c00 = 0.0
+    c01 = 0.0
+    c11 = 0.0
+    if edge.strain_terms == 1.0:
+        c00 = h * edge.compliance
+        c11 = c00 / 3.0
+    else:
+        for g in range(3):
+            _strain, slope = strain_in(M, edge, t0 + t1 * P1[g])
+            c00 += h * WEIGHT[g] * slope
+            c01 += h * WEIGHT_P1[g] * slope
+            c11 += h * WEIGHT_P1[g] * P1[g] * slope
+    if may_be_slack(edge, t0, t1):
+        _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
+        c00 += h * d00
+        c01 += h * d01
+        c11 += h * d11
+    determinant = 1.0 / (c00 * c11 - c01 * c01)
+    stored[0] = c11 * determinant
+    stored[1] = -c01 * determinant
+    stored[2] = c00 * determinant
+    return stored[0], stored[1], stored[2]
+
+
+def missed_kernel(dimension: int, geometry: Any, stretched: int) -> Any:
+    """constraints(I, M, q, tension, out): of all elements of this dimension, as their residuals
+    have them."""
+    size = 2 * dimension
+
+    @kernel
+    def constraints(I, M, q, tension, out):
+        head = header(I)
+        W = view(M, head.gauss, GAUSS_WORDS)
+        for node in range(1, head.nodes):
+            out[2 * node] = 0.0
+            out[2 * node + 1] = 0.0
+            if I[head.joint + node] != 0:
+                continue
+            edge = edge_of(I, M, node)
+            h = edge.length
+            geometry(W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h)
+            r0, r1 = strain_missed(M, W, stretched, edge, tension[2 * node], tension[2 * node + 1])
+            out[2 * node] = h * r0
+            out[2 * node + 1] = h * r1
+
+    return constraints
+
+
+def gradient_kernel(dimension: int, geometry: Any, constraint_gradient: Any) -> Any:
+    """gradients(I, M, q, tension): those of the constraints, and S, as a Jacobian stores them."""
+    size = 2 * dimension
+    words = 4 * size
+
+    @kernel
+    def gradients(I, M, q, tension):
+        head = header(I)
+        W = view(M, head.gauss, GAUSS_WORDS)
+        for node in range(1, head.nodes):
+            if I[head.joint + node] != 0:
+                continue
+            edge = edge_of(I, M, node)
+            h = edge.length
+            geometry(W, view(q, size * I[head.parent + node], size), view(q, size * node, size), h)
+            constraint_gradient(W, h, view(M, head.gradient + words * node, words))
+            stiffness = view(M, head.compliance + 3 * node, 3)
+            invert_compliance(M, edge, tension[2 * node], tension[2 * node + 1], stiffness)
+
+    return gradients
 
 
 def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[Any, Any, Any, Any]:
@@ -142,6 +259,52 @@ def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[An
                         below[at] += W[pair + 10 * row]
 
     return constraint_gradient, add_tension, combine, scatter
+
+
+def force_kernel(dimension: int, loads: int, pulls: int, bends: int) -> Any:
+    """add_forces for elements of this dimension.
+
+    loads, pulls, bends: words of the workspace W where forces conjugate to r, r' and r'' at the
+    Gauss points begin, times h, 1 and 1 / h, four words a component.
+    """
+    by_mass_and_slopes = matrix_vector(4, 1.0, add=False, columns=7)
+    by_shapes = matrix_vector(4, 1.0, add=True, columns=3)
+    seven_numbers, four_numbers = own_numbers(7), own_numbers(4)
+
+    @inlined
+    def add_forces(W, edge, a0, a1, drag, above, below, end):
+        """Add the forces of an element to those of its nodes, and write what its ends pull with.
+
+        a0, a1: accelerations of its nodes.
+        """
+        h = edge.length
+        mass = edge.mass * h
+        weight = edge.weight * h
+        x = seven_numbers()
+        r = four_numbers()
+        for i in range(dimension):
+            x[0] = a0[i] * mass
+            x[1] = a0[dimension + i] * mass * h
+            x[2] = a1[i] * mass
+            x[3] = a1[dimension + i] * mass * h
+            for g in range(3):
+                x[4 + g] = W[pulls + 4 * i + g]
+            by_mass_and_slopes(MASS_WD, 0, x, 0, 1, r, 0)
+            if drag != 0:
+                by_shapes(WH, 0, W, loads + 4 * i, 1, r, 0)
+            if edge.bending != 0.0:
+                by_shapes(WE, 0, W, bends + 4 * i, 1, r, 0)
+            if i == dimension - 1:
+                for k in range(4):
+                    r[k] += weight * LOAD[k]
+            above[i] += r[0]
+            above[dimension + i] += h * r[1]
+            below[i] += r[2]
+            below[dimension + i] += h * r[3]
+            end[i] = -r[0]
+            end[dimension + i] = r[2]
+
+    return add_forces
 
 
 def constraint_kernels(dimension: int) -> tuple[Any, Any]:

@@ -10,10 +10,14 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
+    force_kernel,
+    gradient_kernel,
+    invert_compliance,
+    missed_kernel,
     pair_kernels,
+    strain_missed,
     third_tension,
 )
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
     D2,
@@ -30,16 +34,9 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     LINES_DE,
     LINES_H,
     LINES_HD,
-    LOAD,
-    MASS,
     MASS_PAIRS,
     P1,
     P2,
-    WD,
-    WE,
-    WEIGHT,
-    WEIGHT_P1,
-    WH,
 )
 from cablemodel.solvers.finite_element.kernels.line.products import table_product
 from cablemodel.solvers.finite_element.kernels.water.waves import (
@@ -53,15 +50,13 @@ from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import (
     GAUSS_WORDS,
 )
-from cablemodel.solvers.shared.strain import strain_and_slope
 
 # Slots of four words in the Gauss workspace.
 CX, CZ = 0, 4  # water velocity
 G, TX, TZ = 12, 16, 20
-FX, FZ = 28, 32  # conjugate to r
+FX, FZ = 28, 32  # conjugate to r, times h
 PX, PZ = 40, 44  # conjugate to r'
-QX, QZ = 52, 56  # conjugate to r''
-R = 64  # element vector
+QX, QZ = 52, 56  # conjugate to r'', over h
 TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
 JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
 # Rows of four words: the pairs of components xx, xz, zx, zz.
@@ -76,6 +71,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
+add_forces = force_kernel(2, FX, PX, QX)
 with_damping = damping_kernel(2, TX)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
@@ -111,6 +107,10 @@ def geometry(W, x0, x1, h):
         W[TZ + g] = pz * i
 
 
+constraints_planar = missed_kernel(2, geometry, G)
+gradients_planar = gradient_kernel(2, geometry, constraint_gradient)
+
+
 @inlined
 def axial_forces(W, t0, t1, t2):
     """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
@@ -142,8 +142,8 @@ def add_bending_forces(W, x0, x1, h, bending):
         c = bending * ig * k
         W[PX + g] -= c * (k * tx - beta * tz)
         W[PZ + g] -= c * (k * tz + beta * tx)
-        W[QX + g] = -c * tz
-        W[QZ + g] = c * tx
+        W[QX + g] = -ih * (c * tz)
+        W[QZ + g] = ih * (c * tx)
 
 
 @inlined
@@ -177,8 +177,8 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         un = uz * tx - ux * tz
         along = root * ct * abs(ut) * ut + added * (wx * tx + wz * tz)
         across = root * cn * abs(un) * un
-        W[FX + g] = across * tz - along * tx
-        W[FZ + g] = -across * tx - along * tz
+        W[FX + g] = h * (across * tz - along * tx)
+        W[FZ + g] = -h * (across * tx + along * tz)
 
 
 @kernel
@@ -216,31 +216,7 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
         pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
         axial_forces(W, pull0, pull1, third_tension(W, G, edge))
 
-        r0 = 0.0
-        r1 = 0.0
-        if edge.strain_terms == 1.0:
-            for g in range(3):
-                r0 += WEIGHT[g] * (W[G + g] - 1.0)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = edge.compliance
-            r0 -= c * t0
-            r1 -= c * t1 * (1.0 / 3.0)
-        else:
-            for g in range(3):
-                strain, _slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
-        if may_be_slack(edge, t0, t1):
-            aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
-            r0 -= aside0
-            r1 -= aside1
+        r0, r1 = strain_missed(M, W, G, edge, t0, t1)
         out_constraint[2 * node] = h * r0
         out_constraint[2 * node + 1] = h * r1
 
@@ -263,52 +239,16 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
                 edge.added_mass,
             )
 
-        mass = edge.mass * h
-        weight = edge.weight * h
-        ih = 1.0 / h
-        above = view(out, 4 * parent, 4)
-        below = view(out, 4 * node, 4)
-        end = view(ends, 4 * node, 4)
-        for i in range(2):
-            p = view(W, PX + 4 * i, 4)
-            a0i = a0[i] * mass
-            a1i = a0[2 + i] * mass * h
-            a2i = a1[i] * mass
-            a3i = a1[2 + i] * mass * h
-            r = view(W, R, 4)
-            for k in range(4):
-                r[k] = (
-                    a0i * MASS[0, k]
-                    + a1i * MASS[1, k]
-                    + a2i * MASS[2, k]
-                    + a3i * MASS[3, k]
-                    + p[0] * WD[0, k]
-                    + p[1] * WD[1, k]
-                    + p[2] * WD[2, k]
-                )
-            if drag != 0:
-                f = view(W, FX + 4 * i, 4)
-                f0 = h * f[0]
-                f1 = h * f[1]
-                f2 = h * f[2]
-                for k in range(4):
-                    r[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
-            if bending != 0.0:
-                y = view(W, QX + 4 * i, 4)
-                y0 = y[0] * ih
-                y1 = y[1] * ih
-                y2 = y[2] * ih
-                for k in range(4):
-                    r[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
-            if i == 1:
-                for k in range(4):
-                    r[k] += weight * LOAD[k]
-            above[i] += r[0]
-            above[2 + i] += h * r[1]
-            below[i] += r[2]
-            below[2 + i] += h * r[3]
-            end[i] = -r[0]
-            end[2 + i] = r[2]
+        add_forces(
+            W,
+            edge,
+            a0,
+            a1,
+            drag,
+            view(out, 4 * parent, 4),
+            view(out, 4 * node, 4),
+            view(ends, 4 * node, 4),
+        )
 
 
 @inlined
@@ -348,14 +288,30 @@ def tangent_matrices(
         W[j + 48 + NN] = c3
     if drag == 0:
         return
+    ax = v0[0]
+    az = v0[1]
+    bx = v0[2]
+    bz = v0[3]
+    cx = v1[0]
+    cz = v1[1]
+    dx = v1[2]
+    dz = v1[3]
+    ex = a0[0]
+    ez = a0[1]
+    fx = a0[2]
+    fz = a0[3]
+    gx = a1[0]
+    gz = a1[1]
+    hx = a1[2]
+    hz = a1[3]
     for g in range(4):
         ig = 1.0 / W[G + g]
         tx = W[TX + g]
         tz = W[TZ + g]
-        ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[2] * H1[g] + v1[2] * H3[g]))
-        uz = W[CZ + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
-        wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[2] * H1[g] + a1[2] * H3[g])
-        wz = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
+        ux = W[CX + g] - (ax * H0[g] + cx * H2[g] + h * (bx * H1[g] + dx * H3[g]))
+        uz = W[CZ + g] - (az * H0[g] + cz * H2[g] + h * (bz * H1[g] + dz * H3[g]))
+        wx = ex * H0[g] + gx * H2[g] + h * (fx * H1[g] + hx * H3[g])
+        wz = ez * H0[g] + gz * H2[g] + h * (fz * H1[g] + hz * H3[g])
         root = math.sqrt(W[G + g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz
@@ -432,38 +388,8 @@ def jacobian_planar(I, M, q, v, a, tension, ca, cv):
         )
 
         constraint_gradient(W, h, view(M, head.gradient + 16 * node, 16))
-        c00 = 0.0
-        c01 = 0.0
-        c11 = 0.0
-        if edge.strain_terms == 1.0:
-            c00 = h * edge.compliance
-            c11 = c00 / 3.0
-        else:
-            for g in range(3):
-                _strain, slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                c00 += h * WEIGHT[g] * slope
-                c01 += h * WEIGHT_P1[g] * slope
-                c11 += h * WEIGHT_P1[g] * P1[g] * slope
-        if may_be_slack(edge, t0, t1):
-            _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
-            c00 += h * d00
-            c01 += h * d01
-            c11 += h * d11
-        determinant = 1.0 / (c00 * c11 - c01 * c01)
-        s00 = c11 * determinant
-        s01 = -c01 * determinant
-        s11 = c00 * determinant
         stiffness = view(M, head.compliance + 3 * node, 3)
-        stiffness[0] = s00
-        stiffness[1] = s01
-        stiffness[2] = s11
+        s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
         s22 = 5.0 * eas / h
         s00 += cv * edge.damping / h
         s01 += cv * edge.damping_01 / h

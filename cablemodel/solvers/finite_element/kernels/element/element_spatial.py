@@ -14,10 +14,14 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
+    force_kernel,
+    gradient_kernel,
+    invert_compliance,
+    missed_kernel,
     pair_kernels,
+    strain_missed,
     third_tension,
 )
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments_aside
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
     D2,
@@ -34,16 +38,9 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     LINES_DE,
     LINES_H,
     LINES_HD,
-    LOAD,
-    MASS,
     MASS_PAIRS,
     P1,
     P2,
-    WD,
-    WE,
-    WEIGHT,
-    WEIGHT_P1,
-    WH,
 )
 from cablemodel.solvers.finite_element.kernels.line.products import table_product
 from cablemodel.solvers.finite_element.kernels.water.waves import (
@@ -57,17 +54,15 @@ from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import (
     GAUSS_WORDS,
 )
-from cablemodel.solvers.shared.strain import strain_and_slope
 
 TINY = 1e-30  # keeps |u_n| from dividing by zero
 
 # Slots of four words in the Gauss workspace.
 CX, CY, CZ = 0, 4, 8  # water velocity
 G, TX, TY, TZ = 12, 16, 20, 24
-FX, FY, FZ = 28, 32, 36  # conjugate to r
+FX, FY, FZ = 28, 32, 36  # conjugate to r, times h
 PX, PY, PZ = 40, 44, 48  # conjugate to r'
-QX, QY, QZ = 52, 56, 60  # conjugate to r''
-AX = 64  # element vector: 12 words
+QX, QY, QZ = 52, 56, 60  # conjugate to r'', over h
 # Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
 ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
 ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
@@ -81,6 +76,7 @@ _product_de = table_product(LINES_DE)
 _product_h = table_product(LINES_H)
 _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
+add_forces = force_kernel(3, FX, PX, QX)
 with_damping = damping_kernel(3, TX)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
@@ -120,6 +116,10 @@ def geometry(W, x0, x1, h):
         W[TX + g] = px * i
         W[TY + g] = py * i
         W[TZ + g] = pz * i
+
+
+constraints_spatial = missed_kernel(3, geometry, G)
+gradients_spatial = gradient_kernel(3, geometry, constraint_gradient)
 
 
 @inlined
@@ -164,9 +164,9 @@ def add_bending_forces(W, x0, x1, h, bending):
         W[PX + g] -= c * (kk * tx + beta * kx)
         W[PY + g] -= c * (kk * ty + beta * ky)
         W[PZ + g] -= c * (kk * tz + beta * kz)
-        W[QX + g] = c * kx
-        W[QY + g] = c * ky
-        W[QZ + g] = c * kz
+        W[QX + g] = ih * (c * kx)
+        W[QY + g] = ih * (c * ky)
+        W[QZ + g] = ih * (c * kz)
 
 
 @inlined
@@ -214,9 +214,9 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         un = math.sqrt(nx * nx + ny * ny + nz * nz)
         fn = root * cn * un
         along = root * ct * abs(ut) * ut + added * (wx * tx + wy * ty + wz * tz)
-        W[FX + g] = -(fn * nx + along * tx)
-        W[FY + g] = -(fn * ny + along * ty)
-        W[FZ + g] = -(fn * nz + along * tz)
+        W[FX + g] = -h * (fn * nx + along * tx)
+        W[FY + g] = -h * (fn * ny + along * ty)
+        W[FZ + g] = -h * (fn * nz + along * tz)
 
 
 @kernel
@@ -260,31 +260,7 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
         pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
         axial_forces(W, pull0, pull1, third_tension(W, G, edge))
 
-        r0 = 0.0
-        r1 = 0.0
-        if edge.strain_terms == 1.0:
-            for g in range(3):
-                r0 += WEIGHT[g] * (W[G + g] - 1.0)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0)
-            c = edge.compliance
-            r0 -= c * t0
-            r1 -= c * t1 * (1.0 / 3.0)
-        else:
-            for g in range(3):
-                strain, _slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                r0 += WEIGHT[g] * (W[G + g] - 1.0 - strain)
-                r1 += WEIGHT_P1[g] * (W[G + g] - 1.0 - strain)
-        if may_be_slack(edge, t0, t1):
-            aside0, aside1, _c00, _c01, _c11 = moments_aside(edge, t0, t1)
-            r0 -= aside0
-            r1 -= aside1
+        r0, r1 = strain_missed(M, W, G, edge, t0, t1)
         out_constraint[2 * node] = h * r0
         out_constraint[2 * node + 1] = h * r1
 
@@ -307,52 +283,16 @@ def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
                 edge.added_mass,
             )
 
-        mass = edge.mass * h
-        weight = edge.weight * h
-        ih = 1.0 / h
-        above = view(out, 6 * parent, 6)
-        below = view(out, 6 * node, 6)
-        end = view(ends, 6 * node, 6)
-        for i in range(3):
-            p = view(W, PX + 4 * i, 4)
-            a0i = a0[i] * mass
-            a1i = a0[3 + i] * mass * h
-            a2i = a1[i] * mass
-            a3i = a1[3 + i] * mass * h
-            R = view(W, AX, 4)
-            for k in range(4):
-                R[k] = (
-                    a0i * MASS[0, k]
-                    + a1i * MASS[1, k]
-                    + a2i * MASS[2, k]
-                    + a3i * MASS[3, k]
-                    + p[0] * WD[0, k]
-                    + p[1] * WD[1, k]
-                    + p[2] * WD[2, k]
-                )
-            if drag != 0:
-                f = view(W, FX + 4 * i, 4)
-                f0 = h * f[0]
-                f1 = h * f[1]
-                f2 = h * f[2]
-                for k in range(4):
-                    R[k] += f0 * WH[0, k] + f1 * WH[1, k] + f2 * WH[2, k]
-            if bending != 0.0:
-                y = view(W, QX + 4 * i, 4)
-                y0 = y[0] * ih
-                y1 = y[1] * ih
-                y2 = y[2] * ih
-                for k in range(4):
-                    R[k] += y0 * WE[0, k] + y1 * WE[1, k] + y2 * WE[2, k]
-            if i == 2:
-                for k in range(4):
-                    R[k] += weight * LOAD[k]
-            above[i] += R[0]
-            above[3 + i] += h * R[1]
-            below[i] += R[2]
-            below[3 + i] += h * R[3]
-            end[i] = -R[0]
-            end[3 + i] = R[2]
+        add_forces(
+            W,
+            edge,
+            a0,
+            a1,
+            drag,
+            view(out, 6 * parent, 6),
+            view(out, 6 * node, 6),
+            view(ends, 6 * node, 6),
+        )
 
 
 @inlined
@@ -631,38 +571,8 @@ def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
 
         # Gradient of the constraints, and the compliance.
         constraint_gradient(W, h, view(M, head.gradient + 24 * node, 24))
-        c00 = 0.0
-        c01 = 0.0
-        c11 = 0.0
-        if edge.strain_terms == 1.0:
-            c00 = h * edge.compliance
-            c11 = c00 / 3.0
-        else:
-            for g in range(3):
-                _strain, slope = strain_and_slope(
-                    M,
-                    t0 + t1 * P1[g],
-                    edge.tension_low,
-                    edge.tension_high,
-                    int(edge.strain_offset),
-                    int(edge.strain_terms),
-                )
-                c00 += h * WEIGHT[g] * slope
-                c01 += h * WEIGHT_P1[g] * slope
-                c11 += h * WEIGHT_P1[g] * P1[g] * slope
-        if may_be_slack(edge, t0, t1):
-            _r0, _r1, d00, d01, d11 = moments_aside(edge, t0, t1)
-            c00 += h * d00
-            c01 += h * d01
-            c11 += h * d11
-        determinant = 1.0 / (c00 * c11 - c01 * c01)
-        s00 = c11 * determinant
-        s01 = -c01 * determinant
-        s11 = c00 * determinant
         stiffness = view(M, head.compliance + 3 * node, 3)
-        stiffness[0] = s00
-        stiffness[1] = s01
-        stiffness[2] = s11
+        s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
         s22 = 5.0 * eas / h
         s00 += cv * edge.damping / h
         s01 += cv * edge.damping_01 / h

@@ -23,6 +23,19 @@ def promised_tension(M):
 
 
 @inlined
+def strain_in(M, edge, tension):
+    """Strain [-] of an element's material at a tension [N], and d strain/d tension [1/N]."""
+    return strain_and_slope(
+        M,
+        tension,
+        edge.tension_low,
+        edge.tension_high,
+        int(edge.strain_offset),
+        int(edge.strain_terms),
+    )
+
+
+@inlined
 def may_be_slack(edge, t0, t1):
     """Whether some of an element under the tension t0 + t1 P1 may be pressed aside."""
     return t0 + edge.bears < abs(t1) and edge.yields != 0.0
@@ -93,14 +106,7 @@ def moments(M, edge, t0, t1):
     bent = 0
     for g in range(3):
         tension = t0 + t1 * P1[g]
-        strain, slope = strain_and_slope(
-            M,
-            tension,
-            edge.tension_low,
-            edge.tension_high,
-            int(edge.strain_offset),
-            int(edge.strain_terms),
-        )
+        strain, slope = strain_in(M, edge, tension)
         aside, softness = strain_aside(edge, tension)
         if softness > 0.0:
             bent += 1 << g
@@ -173,14 +179,7 @@ def overstretched(I, M):
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if I[head.joint + node] == 0:
-            strain, _slope = strain_and_slope(
-                M,
-                M[head.tension + 2 * node],
-                edge.tension_low,
-                edge.tension_high,
-                int(edge.strain_offset),
-                int(edge.strain_terms),
-            )
+            strain, _slope = strain_in(M, edge, M[head.tension + 2 * node])
             if strain > LARGEST_STRAIN:
                 return node
     return 0

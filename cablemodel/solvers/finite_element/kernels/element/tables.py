@@ -78,6 +78,8 @@ LINES_HD = _lines(PAIRS_HD, S01)
 MASS = (
     np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 )
+MASS_WD = np.concatenate((MASS, WD[:3])).ravel()
+"""The mass's rows, then those of the slopes at three Gauss points."""
 MASS_PAIRS = np.array([MASS[k, l] for k, l in PAIRS_H])
 LOAD = np.array([1 / 2, 1 / 12, 1 / 2, -1 / 12])
 

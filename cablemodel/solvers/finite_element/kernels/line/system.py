@@ -30,12 +30,16 @@ from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import (
 )
 from cablemodel.solvers.finite_element.kernels.element.element_planar import (
     condense_planar,
+    constraints_planar,
+    gradients_planar,
     jacobian_planar,
     residual_planar,
     stretch_rate_planar,
 )
 from cablemodel.solvers.finite_element.kernels.element.element_spatial import (
     condense_spatial,
+    constraints_spatial,
+    gradients_spatial,
     jacobian_spatial,
     residual_spatial,
     stretch_rate_spatial,
@@ -87,7 +91,7 @@ from cablemodel.solvers.shared.access import (
     scalars,
     winch_of,
 )
-from cablemodel.solvers.shared.compile import kernel, outlined, view
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_profile, prescribed_motion, vessel_motion
 from cablemodel.solvers.shared.layout import (
     EXACTLY,
@@ -138,6 +142,29 @@ def residual(I, M, q, v, a, tension, out, out_constraint):
         free_residual(I, M, state.stage_time, out)
         if head.closure_count != 0:
             close(I, M, q, out)
+
+
+@inlined
+def remembers(I):
+    """Whether forces go by what was found before: at bodies, and in the cells of a sea. Then all is
+    found where constraints alone are asked for."""
+    head = header(I)
+    return head.parts != 0 or head.rigid > 0 or head.wave_count != 0
+
+
+@kernel
+def constraints(I, M, q, v, a, tension, forces, out):
+    """Constraint residuals as `residual` finds them, which may find `forces` too."""
+    head = header(I)
+    if remembers(I):
+        residual(I, M, q, v, a, tension, forces, out)
+        return
+    if head.payout != 0:
+        material_top(I, M, q, v, a)
+    if head.dimension == 2:
+        constraints_planar(I, M, q, tension, out)
+    else:
+        constraints_spatial(I, M, q, tension, out)
 
 
 @kernel
@@ -336,6 +363,19 @@ def jacobian(I, M, q, v, a, tension, ca, cv):
             close_jacobian(I, M, q, v, a)
 
 
+@kernel
+def find_gradients(I, M, q, tension):
+    """Those of the constraints, as a Jacobian stores them; no matrix fits to them. Not of what
+    `remembers`."""
+    head = header(I)
+    keep_matrix(I)
+    if head.dimension == 2:
+        gradients_planar(I, M, q, tension)
+    else:
+        gradients_spatial(I, M, q, tension)
+    head.factored = 0
+
+
 @outlined
 def factorise(I, M, q, v, a, tension, ca, cv):
     """Assemble, constrain and factor; returns 0, or 1 + the node whose pivot vanished."""
@@ -464,7 +504,7 @@ def recover_tension(I, M, constraint, x, tension, iterates):
 def material_stretch_rate(I, M, v, out):
     """Rate of |r'| in the constraint residuals, of the cable, not of the mesh past which it runs.
 
-    With pay-out the last residual was that of these velocities.
+    With pay-out the last residual or constraints were those of these velocities.
     """
     head = header(I)
     if head.payout == 0:

@@ -16,7 +16,11 @@ with more of the cable awake.
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.strain import may_be_slack, moments
+from cablemodel.solvers.finite_element.kernels.element.strain import (
+    may_be_slack,
+    moments,
+    strain_in,
+)
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
     bristle_at,
@@ -51,7 +55,6 @@ from cablemodel.solvers.shared.layout import (
     W_SPEED,
     WHOLLY,
 )
-from cablemodel.solvers.shared.strain import strain_and_slope
 
 QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
@@ -427,14 +430,7 @@ def prepare_joining(I, M, first):
         edge = edge_of(I, M, node)
         t0 = M[head.tension + 2 * node]
         t1 = M[head.tension + 2 * node + 1]
-        strain, _slope = strain_and_slope(
-            M,
-            t0 + t1,
-            edge.tension_low,
-            edge.tension_high,
-            int(edge.strain_offset),
-            int(edge.strain_terms),
-        )
+        strain, _slope = strain_in(M, edge, t0 + t1)
         if may_be_slack(edge, t0, t1):
             mean, first_mode, _c00, _c01, _c11, _bent = moments(M, edge, t0, t1)
             strain = mean + 3.0 * first_mode

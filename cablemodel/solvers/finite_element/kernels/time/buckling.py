@@ -62,7 +62,7 @@ def any_pressed(I, M, q, tension):
     head = header(I)
     least = promised_tension(M)
     for node in range(1, head.nodes):
-        if is_pressed(I, M, node, q, tension, least):
+        if tension[2 * node] < -least and is_pressed(I, M, node, q, tension, least):
             return True
     return False
 

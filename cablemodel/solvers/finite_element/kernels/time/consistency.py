@@ -17,10 +17,13 @@ from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAG
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces, scale_gaps
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.line.system import (
+    constraints,
     elongation_rate,
+    find_gradients,
     impose_motion,
     newton_increment,
     recover_tension,
+    remembers,
     residual,
     set_time,
     stretch_rate,
@@ -66,6 +69,24 @@ def state_residual(I, M):
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
     residual(
+        I,
+        M,
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
+        view(M, head.tension, words),
+        view(M, head.residual, count),
+        view(M, head.constraint_residual, words),
+    )
+
+
+@kernel
+def state_constraints(I, M):
+    """What is left of the constraint of the state."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    constraints(
         I,
         M,
         view(M, head.position, count),
@@ -171,9 +192,9 @@ def project_velocity(I, M, gamma_dt):
 
 @kernel
 def constraint_size(I, M):
-    """Largest of what is left of the constraint at the state; leaves it and the forces."""
+    """Largest of what is left of the constraint at the state; leaves it."""
     head = header(I)
-    state_residual(I, M)
+    state_constraints(I, M)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
     largest = 0.0
     for n in range(2 * head.nodes):
@@ -193,15 +214,15 @@ def meet_constraints(I, M, gamma_dt, changed, passes):
     before = constraint_size(I, M)
     for iteration in range(4 if changed else 3):
         if iteration > 0:
-            state_residual(I, M)
+            state_constraints(I, M)
         project_position(I, M)
         if not changed:
             follow_increment(I, M, head.tension)
             follow_forces(I, M)
     after = constraint_size(I, M)
-    for _iteration in range(2):
-        if head.payout != 0:
-            state_residual(I, M)
+    for iteration in range(2):
+        if iteration > 0 and head.payout != 0:
+            state_constraints(I, M)
         project_on_to_rates(I, M, passes, 1.0, not changed)
     return after <= before + NEGLIGIBLE * state.length
 
@@ -259,12 +280,17 @@ def take_rates_from_velocity(I, M):
     """
     head = header(I)
     state = scalars(M)
-    if refactor_state(I, M, GAMMA[0] * state.last_step) != 0:
+    count = 2 * head.dimension * head.nodes
+    if not remembers(I):
+        set_time(I, M, state.time)
+        q = view(M, head.position, count)
+        find_gradients(I, M, q, view(M, head.tension, 2 * head.nodes))
+    elif refactor_state(I, M, GAMMA[0] * state.last_step) != 0:
         return
     if head.payout != 0:
-        state_residual(I, M)
+        state_constraints(I, M)
     state_elongation_rate(I, M)
-    x = view(M, head.increment, 2 * head.dimension * head.nodes)
+    x = view(M, head.increment, count)
     x[:] = 0.0
     follow_increment(I, M, head.tension_rate)
 

@@ -25,6 +25,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
 from cablemodel.solvers.finite_element.kernels.line.closures import scale_gaps
 from cablemodel.solvers.finite_element.kernels.line.newton import increment_norm
 from cablemodel.solvers.finite_element.kernels.line.system import (
+    constraints,
     factorise,
     impose_motion,
     material_stretch_rate,
@@ -434,8 +435,8 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     if failed != 0:
         return -1.0, -1.0
     # Velocities that stretch the line at the rate at which the tensions change.
-    residual(I, M, q, solved_v, a, strained, forces, curved)
-    residual(I, M, q, solved_v, a, tension, forces, constraint)
+    constraints(I, M, q, solved_v, a, strained, forces, curved)
+    constraints(I, M, q, solved_v, a, tension, forces, constraint)
     for n in range(words):
         curved[n] -= constraint[n]
     material_stretch_rate(I, M, solved_v, constraint)
@@ -455,7 +456,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
             solved_q[n] = q[n] + ahead * (solved_v[n] + 0.5 * ahead * a[n])
         if head.payout != 0:
             set_top_length(I, M, t + ahead)
-        residual(I, M, solved_q, solved_v, a, tension, forces, constraint)
+        constraints(I, M, solved_q, solved_v, a, tension, forces, constraint)
         weight = -2.0 if k == 1 else 1.0
         for n in range(words):
             curved[n] += weight * constraint[n]
@@ -470,7 +471,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(count):
         a[n] += ca * x[n]
     # Positions whose stretch has these tensions.
-    residual(I, M, q, solved_v, a, solved, forces, constraint)
+    constraints(I, M, q, solved_v, a, solved, forces, constraint)
     forces[:] = 0.0
     newton_increment(I, M, forces, constraint, x)
     for n in range(count):

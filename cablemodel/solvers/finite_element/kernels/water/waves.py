@@ -243,6 +243,8 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
             # The elements' mass holds all of ma a.
             W[FORCE + 4 * i + g] = s * push - fn * (u - ut * t) - ft * t - added * a
         W[FORCE + 4 * (dimension - 1) + g] += (1.0 - s) * lift
+    for n in range(4 * dimension):
+        W[FORCE + n] *= h
 
 
 @kernel
