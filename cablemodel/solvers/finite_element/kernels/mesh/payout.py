@@ -302,7 +302,7 @@ def renumber_tree(I, M, first, count):
         for node in range(head.nodes - 1, first + count - 1, -1):
             parent = parents[node - count]
             parents[node] = parent + count if parent >= first else parent
-        for node in range(first, first + count + 1):
+        for node in range(first, min(first + count + 1, head.nodes)):
             parents[node] = node - 1
     else:
         for node in range(first + count, head.nodes):
