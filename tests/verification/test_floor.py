@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import cablemodel as cm
+from tests.verification.references.lays import ARMOURED, LIGHT, lay_angle
 from tests.verification.references.moored import moored_catenary
 from tests.verification.scenes import CABLE_K
 
@@ -49,6 +50,10 @@ MOORING = {
     "submerged_weight": 698.094,
     "axial_stiffness": 384.243e6,
 }
+POWER = {
+    "diameter": 0.1, "mass": 23.0, "axial_stiffness": 150e6, "drag_normal": 1.2,
+    "drag_tangential": 0.01,
+}  # fmt: skip
 ACROSS, RISE, LENGTH = 848.67, 250.0, 902.2
 
 
@@ -119,6 +124,48 @@ def test_three_dimensions_agree_with_two():
         for full in (moored(friction, 1e-4, False), moored(friction, 1e-4, None, np.pi / 6)):
             assert full.top_tension == pytest.approx(flat.top_tension, rel=1e-9)
             assert full.floor_length == pytest.approx(flat.floor_length, rel=1e-9)
+
+
+FRICTION_ENDS = {
+    "light": (LIGHT, 500.0, 750.0, 800.0),
+    "armoured": (ARMOURED, 100.0, 130.0, 300.0),
+    "power": (POWER, 40.0, 60.0, 150.0),
+}
+"""Cable, depth [m], length that may hang and that lies [m]."""
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+@pytest.mark.parametrize("friction", [0.3, 0.5])
+@pytest.mark.parametrize("kind", FRICTION_ENDS)
+def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angle):
+    """Cable that hardly stretches: its friction takes hold at once, as Coulomb's does, not over
+    0.02 tau L. At the start, and as long as nothing moves."""
+    cable_type, depth, hangs, lies = FRICTION_ENDS[kind]
+    weight, _ = lay_angle(cable_type, 1.0)
+    length, across = hangs + lies, 0.9 * np.sqrt(hangs**2 - depth**2) + lies
+    line = moored_catenary(across, depth, length, weight, cable_type["axial_stiffness"], friction)
+    way = np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle)), 0.0])
+    model = on_floor(
+        [cable(length, "cable")],
+        {"z": 0, "friction": friction},
+        1e-3,
+        None,
+        {**cable_type, "submerged_weight": weight},
+        end={"anchor": (across * way).tolist()},
+        vessel={"position": [0, 0, depth]},
+    )
+    s = np.linspace(0.0, length, 201)
+    tension = line.tension(length - s)
+    assert tension[-1] < 0.1 * tension[0]
+    promised = 10.0 * 1e-3 * tension[0]
+    found = model.sample(s).tension
+    assert found[-1] == pytest.approx(tension[-1], abs=promised)
+    # An element that is held in part has a tension of its own.
+    assert found == pytest.approx(tension, abs=1.5 * promised)
+    model.step_to(30.0)
+    found = model.sample(s).tension
+    assert found[-1] == pytest.approx(tension[-1], abs=1.5 * promised)
+    assert found == pytest.approx(tension, abs=2.0 * promised)
 
 
 # A cable let down to the floor --------------------------------------------------------------------

@@ -26,6 +26,7 @@ from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.mesh import line_nodes
 from cablemodel.solvers.finite_element.start import (
+    firm_friction,
     held_line,
     laid_loads,
     laid_shape,
@@ -338,6 +339,9 @@ def _built(
         if stays:
             frame = steady_velocity(block, scene)
             solve_static(block, scene, frame, replace(strategy, lets_go=True))
+            count_from_zero(block)
+        if firm_friction.applies(scene):
+            firm_friction.take_hold(block, scene, promised_tension(block, scene))
             count_from_zero(block)
         return block
 

@@ -176,7 +176,7 @@ def lie_still(
         coarser: leaves the first of them out; what lies is where it is in this block.
     """
     state = block.scalars
-    shape, drawn = _shape_and_roots(block)
+    shape, drawn = shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
     bristle, soft = float(state.bristle), longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
@@ -220,7 +220,7 @@ def _is_even(scene: Scene) -> bool:
     return scene.environment.floor is not None and scene.environment.floor.z is not None
 
 
-def _shape_and_roots(block: Block) -> tuple[FloatArray, FloatArray]:
+def shape_and_roots(block: Block) -> tuple[FloatArray, FloatArray]:
     """Places and slopes of the nodes, and those that their bristles are drawn from."""
     words = int(block.header.nodes), 2 * int(block.header.dimension)
     return block.array(Header.position, *words), block.array(Header.rest, *words)
@@ -270,7 +270,7 @@ def _level_across(block: Block, scene: Scene, place: FloatArray) -> Iterator[Sce
 def _let_slide(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
     """Let what lies slide over this floor, as `_lay_freely`; a status."""
     state = block.scalars
-    shape, drawn = _shape_and_roots(block)
+    shape, drawn = shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
     bristle, soft = float(state.bristle), longest_bristle(block, scene)
     dragged = laid_loads.is_dragged(scene)
@@ -322,7 +322,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
     before = block.image.copy()
     status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
     if status == at.OK:
-        shape, drawn = _shape_and_roots(block)
+        shape, drawn = shape_and_roots(block)
         bristle = float(block.scalars.bristle)
         drawn[:] = shape - bristle / longest_bristle(block, scene) * (shape - drawn)
         bears, drags = _loads(block, scene)  # without the drag on what lies, so far
@@ -396,7 +396,7 @@ def _way_back(block: Block, scene: Scene) -> FloatArray:
 def _on_floor(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     """Places (n, dimension) in the block, brought to an even floor across it."""
     up = _up_at(block, scene, earth(block, places)[0])
-    return np.asarray(places - np.outer(_gaps(block, scene, places), up))
+    return np.asarray(places - np.outer(gaps_above(block, scene, places), up))
 
 
 def _up_at(block: Block, scene: Scene, place: FloatArray) -> FloatArray:
@@ -486,7 +486,7 @@ def _positions(block: Block) -> FloatArray:
     return q
 
 
-def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
+def gaps_above(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
     """Heights above the floor, across it, of places (n, dimension) in the block, (n,) [m]."""
     floor = scene.environment.floor
     assert floor is not None
@@ -499,13 +499,13 @@ def _gaps(block: Block, scene: Scene, places: FloatArray) -> FloatArray:
 
 def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes touch the floor, (nodes,)."""
-    gaps = _gaps(block, scene, _positions(block))
+    gaps = gaps_above(block, scene, _positions(block))
     return np.asarray(gaps < float(block.scalars.floor_depth))
 
 
 def which_bear(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes are down on the floor, not at the edge of its contact layer, (nodes,)."""
-    gaps = _gaps(block, scene, _positions(block))
+    gaps = gaps_above(block, scene, _positions(block))
     return np.asarray(gaps < sea_floor.LYING * float(block.scalars.floor_depth))
 
 
@@ -632,7 +632,7 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     parents = block.integers(Header.parent, nodes)
     depth = float(block.scalars.floor_depth)
-    gaps = _gaps(block, scene, q)
+    gaps = gaps_above(block, scene, q)
     drawn = wanted * (gaps < depth)  # at a body, or anywhere on the level
     ends = [
         (int(parents[n]), n) for n in np.flatnonzero(block.integers(Header.joint, nodes) == 0)[1:]
@@ -646,7 +646,7 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     h = edges[lower, at.Edge.length]
     data = np.stack([q[upper], slopes[upper] * h[:, None], q[lower], slopes[lower] * h[:, None]])
     points = np.einsum("pk,ked->epd", CONTACT_H, data)
-    law = law_of_contact(_gaps(block, scene, points.reshape(-1, dimension)) / depth)
+    law = law_of_contact(gaps_above(block, scene, points.reshape(-1, dimension)) / depth)
     law = law.reshape(len(near), -1)
     force = (h * edges[lower, at.Edge.contact] * edges[lower, at.Edge.support])[
         :, None
