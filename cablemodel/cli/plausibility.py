@@ -45,6 +45,8 @@ _FASTEST = 20.0
 """Speeds [m/s] of ships and water that tow or carry a cable (39 knots)."""
 _FASTEST_WINCH = 10.0
 """Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
+_MISSED = 0.4
+"""Part of waves along a line that runs miss: as much of those of 25 t on 1,200 m, stopped."""
 _THICKEST = 0.4
 """Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
 _HEAVE = 2
@@ -269,6 +271,43 @@ def _fast_winch(what: str, table: Iterable[RatePoint]) -> list[str]:
     ]
 
 
+def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
+    """A winch that changes its rate so quickly that waves along an undamped line, taut by its load,
+    are more than tensions may be wrong by.
+
+    Of a uniform bar between winch and load, its first mode alone: a = dv/dt of the upper end for a
+    time T leaves a wave of 4 m L a / pi^2 |sin(w T / 2)| with w = pi c / L.
+    """
+    from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
+
+    load = scene.line[-1].body
+    if load is None or load.submerged_weight < 0.5 * tension:
+        return []
+    cables = [(cable.length, scene.cable_types[cable.type]) for cable in scene.cables]
+    mass = sum(length * kind.mass for length, kind in cables)
+    softness = [(length, kind.strain_coefficients[0]) for length, kind in cables]
+    turn = math.pi / math.sqrt(mass * sum(length * soft for length, soft in softness))
+    needed = LOSS_FACTOR / (max(soft for _, soft in softness) * turn)
+    if any(kind.axial_damping >= needed for _, kind in cables):
+        return []
+    promised = 10.0 * scene.solver.tolerance * tension
+    found = []
+    for before, after in pairwise(scene.payout.rate):
+        change, lasts = abs(after.rate - before.rate), after.t - before.t
+        if change == 0.0 or after.t > scene.run.duration:
+            continue
+        swing = abs(math.sin(0.5 * turn * lasts)) / lasts
+        wave = 4.0 / math.pi**2 * mass * change * swing
+        if _MISSED * wave > promised:
+            found.append(
+                f"payout.rate changes by {change:.3g} m/s within {lasts:.3g} s at {before.t:g} s: "
+                f"waves of about {wave / 1e3:.2g} kN then run along the line without an end, and "
+                f"are followed in part only; an axial_damping of {needed:.2g} N s, a loss of "
+                f"{100 * LOSS_FACTOR:g} %, ends them"
+            )
+    return found
+
+
 def _angles_without_unit(scene: Scene) -> list[str]:
     """Angles of more than a turn that are no whole degrees: degrees without their unit."""
     angles: list[tuple[str, float | None]] = []
@@ -395,6 +434,7 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
     for name in sorted({cable.type for cable in scene.cables} - said.keys()):
         found += _stretched_at_start(scene, name, model.tension_max)
     found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
+    found += _waves_of_a_winch(scene, model.tension_max)
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
     if model.tension_min < -max(slack, _NO_FORCE):
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")

@@ -13,12 +13,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
 import cablemodel as cm
 from cablemodel.cli import app
-from cablemodel.cli.plausibility import scene_warnings, system_warnings
+from cablemodel.cli.plausibility import scene_warnings, start_warnings, system_warnings
 from cablemodel.cli.run import explained_start
 from cablemodel.solvers import library
 from cablemodel.systems import load_system
@@ -483,6 +484,50 @@ def test_check_warns(overrides: list[str], words: str) -> None:
     options = [item for override in overrides for item in ("--set", override)]
     report = json.loads(invoke("check", SCENE, *options, "--json").stdout)
     assert any(words in warning for warning in report["warnings"]), report["warnings"]
+
+
+STOPPED = """\
+cable_types: {wire: {diameter: 36 mm, mass: 5, axial_stiffness: 60 MN}}
+line:
+  - cable: {type: wire, length: 1200}
+  - body: {name: load, mass: 25000, submerged_weight: 200 kN}
+payout:
+  rate: [{t: 0, rate: 1.5}, {t: 2, rate: 1.5}, {t: 2.2, rate: 0}]
+  drum: [{cable: {type: wire, length: 50}}]
+"""
+
+
+def test_check_warns_of_waves_that_a_winch_sends_along_undamped_wire() -> None:
+    def warned_of(*overrides: str) -> list[str]:
+        scene = cm.load_scene(STOPPED, overrides)
+        model = cm.CableModel(scene)
+        return [
+            warning
+            for warning in start_warnings(scene, model, model.state())
+            if "without an end" in warning
+        ]
+
+    (warning,) = warned_of()
+    assert "payout.rate changes by 1.5 m/s within 0.2 s at 2 s" in warning
+    # masses between a winch that slows and a load that stands: the first mode of what is left
+    count, length = 400, 1200.0
+    h = length / count
+    place = np.arange(1, count) * h
+    moved, rate, dt = np.zeros(count - 1), np.zeros(count - 1), 2e-4
+    for n in range(round(0.2 / dt)):
+        top = 0.5 * (1.5 / 0.2) * (n * dt) ** 2
+        ends = np.concatenate(([top], moved, [0.0]))
+        rate += dt * 60e6 / (5.0 * h * h) * np.diff(ends, 2)
+        moved += dt * rate
+    turn = math.pi / length * math.sqrt(60e6 / 5.0)
+    bends = 2.0 / count * np.sin(math.pi * place / length)
+    held = bends @ (moved - 0.5 * 1.5 * 0.2 * (1.0 - place / length))
+    moves = bends @ (rate - 1.5 * (1.0 - place / length))
+    wave = 60e6 * math.pi / length * math.hypot(held, moves / turn)
+    assert float(warning.split("about ")[1].split()[0]) == pytest.approx(wave / 1e3, rel=0.05)
+    needed = float(warning.split("axial_damping of ")[1].split()[0])
+    assert not warned_of(f"cable_types.wire.axial_damping={1.01 * needed}")
+    assert not warned_of("payout.rate.2.t=4")
 
 
 TURNED = """\

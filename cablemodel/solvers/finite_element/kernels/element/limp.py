@@ -191,7 +191,8 @@ def hang_limp(I, M, edge, promised):
 
 @inlined
 def sheds(M, edge, t0, t1):
-    """Whether an element that hangs bends aside, and hardly pushes: no mesh need follow how. What stretches much pushes with more."""
+    """Whether an element that hangs bends aside, and hardly pushes: no mesh need follow how. What
+    stretches much pushes with more."""
     soft = edge.yields * edge.compliance < SHEDS
     return edge.bears > 0.0 and soft and folds(M, edge, t0, t1)
 
