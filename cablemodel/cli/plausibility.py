@@ -32,7 +32,6 @@ _AS_KILOGRAMS = 0.05
 """Part by which a weight may differ from a mass that stands in its place."""
 _TONNES = (0.95, 1.1)
 """Densities of water in t/m3; air has 1.2 kg/m3."""
-_LARGE_STRAIN = 0.02
 _HANGING_STRAIN = 0.5
 """Of a cable by its own weight: no cable stretches by half its length before it is used."""
 _WHOLE_DEGREE = 1e-6
@@ -442,8 +441,10 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
 
 
 def _stretched_at_start(scene: CableScene, name: str, tension: float, line: str = "") -> list[str]:
+    from cablemodel.solvers.finite_element.start.scales import LARGE_STRAIN
+
     strain = _strain(scene.cable_types[name], tension)
-    if strain <= _LARGE_STRAIN:
+    if strain <= LARGE_STRAIN:
         return []
     where = f" of lines.{line}" if line else ""
     asked = "are its axial stiffness and that length" if line else "is its axial stiffness"

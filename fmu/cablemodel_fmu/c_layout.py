@@ -72,7 +72,7 @@ def start_constants() -> dict[str, float]:
     is read of a system is placed, and looks ahead."""
     from cablemodel.solvers.finite_element.kernels.outputs import interface
     from cablemodel.solvers.finite_element.start import continuation as continuation
-    from cablemodel.solvers.finite_element.start import line_tables, refinement, winch
+    from cablemodel.solvers.finite_element.start import line_tables, refinement, scales, winch
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 
@@ -86,6 +86,7 @@ def start_constants() -> dict[str, float]:
         "SOFTEST": line_tables.TABLE_SOFTEST,
         "BENT": refinement.REFINEMENT_BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
+        "LARGE_STRAIN": scales.LARGE_STRAIN,
         "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
         "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
         "FEW_STEPS": continuation.FEW_STEPS,

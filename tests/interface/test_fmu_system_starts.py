@@ -338,6 +338,19 @@ def test_a_start_that_bends_more_than_elements_follow_is_warned_of(tmp_path: Pat
         slave.close()
 
 
+def test_a_start_that_stretches_lines_is_warned_of(tmp_path: Path) -> None:
+    """Two lines of 60 m with a net of 1 m between them, from ship to ship."""
+    with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"b.start_position": (0, 121.5, 0)})
+        assert slave.messages == []
+        slave.close()
+        slave = Slave(*found, **{"b.start_position": (0, 151, 0)})
+        assert [status for status, _ in slave.messages] == [1]
+        words = slave.messages[0][1].split("at this start a line is stretched by ")[1].split()
+        assert float(words[0]) == pytest.approx(25.0, abs=0.5)
+        slave.close()
+
+
 @pytest.mark.parametrize("by", [1, 2, 3])
 def test_a_vessel_is_driven_from_where_it_begins(by: int, tmp_path: Path) -> None:
     """Without a jump, by velocity, place or both; one that nothing drives goes straight on."""

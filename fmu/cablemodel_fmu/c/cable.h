@@ -139,6 +139,7 @@ typedef struct Cable {
     double rate[3]; /* of the force on the vessel */
     double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
     double bent; /* times as much as the exported elements can follow, of the shape at the start; or 0 */
+    double stretched; /* strain at such a start, where it is a large one and was not exported; or 0 */
     double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
@@ -305,6 +306,8 @@ void rest_here(Cable *cable);
 void count_from_zero(Cable *cable);
 double bend_at(const Cable *cable, int64_t node);
 double most_bent(const Cable *cable);
+double most_stretched(const Cable *cable);
+void judge_shape(Cable *cable, double bent, double stretched);
 const char *settle_cable(Cable *cable);
 
 /* system_start.c */

@@ -401,6 +401,31 @@ double most_bent(const Cable *cable) {
     return most;
 }
 
+/* The largest strain of an element, by the chord between its nodes. */
+double most_stretched(const Cable *cable) {
+    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    const int64_t words = 2 * header(I)->dimension;
+    const double *q = cable->M + header(I)->position;
+    double most = 0.0;
+    for (int64_t node = 1; node < header(I)->nodes; node++) {
+        double square = 0.0;
+        if (joint[node] != JOINT_NONE) continue;
+        for (int64_t i = 0; i < words / 2; i++)
+            square += pow(q[words * node + i] - q[words * parent[node] + i], 2.0);
+        most = fmax(most, sqrt(square) / AS(Edge, edge_of(cable, node))->length - 1.0);
+    }
+    return most;
+}
+
+/* What is to be told of a start that was found anew, of `bent` and `stretched`, where the exported one
+   was not like that. */
+void judge_shape(Cable *cable, double bent, double stretched) {
+    cable->bent = most_bent(cable);
+    if (!(cable->bent > fmax(FAR_TOO_BENT, bent))) cable->bent = 0.0;
+    cable->stretched = most_stretched(cable);
+    if (!(cable->stretched > fmax(LARGE_STRAIN, stretched))) cable->stretched = 0.0;
+}
+
 /* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set; and
    the start that was set. */
 static int64_t stretch_line(Cable *cable, double from, double to) {
@@ -450,7 +475,7 @@ static const char *refuse_on_floor(Cable *cable) {
 
 /* What the exported start is like. */
 typedef struct {
-    double bent;
+    double bent, stretched;
     int on_floor;
 } Exported;
 
@@ -459,18 +484,17 @@ static Exported exported(Cable *cable) {
     take_exported(cable);
     outputs_changed(cable);
     found.bent = most_bent(cable);
+    found.stretched = most_stretched(cable);
     found.on_floor = touches_floor(cable);
     outputs_changed(cable);
     return found;
 }
 
-/* What is to be told of a static start that was found anew: that it presses the line; that it bends too
-   much, where the exported one does not. */
+/* What is to be told of a static start that was found anew: its shape, and that it presses the line. */
 static void judge(Cable *cable, const Exported *before) {
     const Summary *found = summary(cable);
     const double wrong = 10.0 * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
-    cable->bent = most_bent(cable);
-    if (!(cable->bent > fmax(FAR_TOO_BENT, before->bent))) cable->bent = 0.0;
+    judge_shape(cable, before->bent, before->stretched);
     cable->pressed = found->tension_min < -wrong ? found->tension_min : 0.0;
     outputs_changed(cable);
 }
@@ -480,7 +504,7 @@ static void judge(Cable *cable, const Exported *before) {
 static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
     Exported before = {0};
-    cable->bent = cable->pressed = 0.0;
+    cable->bent = cable->stretched = cable->pressed = 0.0;
     if (first_changed(cable) == NULL && !position_changed(cable) && !velocity_changed(cable)) {
         restore_exported(cable);
         return NULL;

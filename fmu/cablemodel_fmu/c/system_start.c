@@ -492,20 +492,19 @@ static const char *start_flowing(Cable *cable) {
 }
 
 /* What is to be told of such a start: as `judge` of lengths.c. */
-static void judge(Cable *cable, double exported) {
+static void judge(Cable *cable, double bent, double stretched) {
     const Scalars *state = scalars(cable->M);
     const double allowed = 10.0 * state->tolerance * fmax(state->largest_tension, state->tension_scale);
     double lowest = 0.0;
     for (int64_t node = 0; node < header(cable->I)->nodes; node++)
         lowest = fmin(lowest, cable->M[header(cable->I)->tension + 2 * node]);
-    cable->bent = most_bent(cable);
-    if (!(cable->bent > fmax(FAR_TOO_BENT, exported))) cable->bent = 0.0;
+    judge_shape(cable, bent, stretched);
     cable->pressed = lowest < -allowed ? lowest : 0.0;
 }
 
 static const char *search(Cable *cable) {
     const Way way = way_of(cable);
-    const double bent = most_bent(cable);
+    const double bent = most_bent(cable), stretched = most_stretched(cable);
     double velocity[3];
     int64_t status = OK, *kept = copy_of_image(cable);
     if (kept == NULL) return "out of memory";
@@ -534,7 +533,7 @@ static const char *search(Cable *cable) {
     if (status == NO_CAPACITY) return "out of memory";
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);
-    judge(cable, bent);
+    judge(cable, bent, stretched);
     return start_flowing(cable);
 }
 
@@ -554,7 +553,7 @@ static void move_origin(Cable *cable, const double way[3]) {
 const char *settle_system(Cable *cable) {
     int changed = 0, moved = 0;
     double way[3] = {0};
-    cable->bent = cable->pressed = 0.0;
+    cable->bent = cable->stretched = cable->pressed = 0.0;
     const Parameter *tuned = first_changed(cable);
     restore_exported(cable);
     for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {

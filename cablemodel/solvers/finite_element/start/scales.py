@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import Cable
 
+LARGE_STRAIN = 0.02
+"""At the start: `cablemodel check` and FMUs warn of larger ones."""
+
 
 def tension_scale(scene: Scene) -> float:
     """A tension [N] that is typical of the line: what the stabilisation is measured by."""
