@@ -21,6 +21,14 @@ from cablemodel.solvers.shared.access import edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel
 
 
+@inlined
+def damped_by(edge, mean, slope):
+    """The modes of D in an element [N], by its mean rate of strain, alone and times P1 [1/s]."""
+    d0 = edge.damping * mean + edge.damping_01 * slope
+    d1 = edge.damping_01 * mean + edge.damping_11 * slope
+    return d0, d1
+
+
 def damping_kernel(dimension: int, tangents: int) -> Any:
     """with_damping for elements of this dimension; tangents: the word of the workspace W where
     those at the Gauss points begin, four words a component."""
@@ -40,8 +48,9 @@ def damping_kernel(dimension: int, tangents: int) -> Any:
                     rate += W[tangents + 4 * i + g] * along
                 mean += WEIGHT[g] * rate
                 slope += WEIGHT_P1[g] * rate
-            t0 += edge.damping * mean + edge.damping_01 * slope
-            t1 += edge.damping_01 * mean + edge.damping_11 * slope
+            d0, d1 = damped_by(edge, mean, slope)
+            t0 += d0
+            t1 += d1
         return t0, t1
 
     return with_damping
@@ -91,8 +100,7 @@ def damping_in(I, M, element):
     if edge.damping == 0.0:
         return 0.0, 0.0, 0.0
     mean, slope = strain_rate(I, M, element)
-    d0 = edge.damping * mean + edge.damping_01 * slope
-    d1 = edge.damping_01 * mean + edge.damping_11 * slope
+    d0, d1 = damped_by(edge, mean, slope)
     return d0, d1, d0 * mean + d1 * slope
 
 

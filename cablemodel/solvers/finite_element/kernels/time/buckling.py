@@ -22,7 +22,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_f
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import slope_is_held
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import kernel, own_numbers, view
+from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
@@ -39,14 +39,11 @@ own_block = own_numbers(36)
 
 
 @kernel
-def is_pressed(I, M, node, q, tension, least):
-    """Whether the element above a node is pressed by more than `least` [N], and hangs free; not
-    what `sheds` its pressure.
-
-    q: (nodes, 2, dimension), tension: (nodes, 2). What lies on the floor is held by it.
-    """
+def bears_pressure(I, M, node, q, tension):
+    """Whether the element above a node hangs free; not what `sheds` its pressure. What lies on the
+    floor is held by it."""
     head = header(I)
-    if I[head.joint + node] != 0 or tension[2 * node] >= -least:
+    if I[head.joint + node] != 0:
         return False
     if sheds(M, edge_of(I, M, node), tension[2 * node], tension[2 * node + 1]):
         return False
@@ -56,13 +53,22 @@ def is_pressed(I, M, node, q, tension, least):
     return not (near_floor(I, M, node, q) or near_floor(I, M, parent, q))
 
 
+@inlined
+def is_pressed(I, M, node, q, tension, least):
+    """Whether the element above a node is pressed by more than `least` [N], and `bears_pressure`.
+
+    q: (nodes, 2, dimension), tension: (nodes, 2).
+    """
+    return tension[2 * node] < -least and bears_pressure(I, M, node, q, tension)
+
+
 @kernel
 def any_pressed(I, M, q, tension):
     """Whether `is_pressed` by more than tensions may be wrong by."""
     head = header(I)
     least = promised_tension(M)
     for node in range(1, head.nodes):
-        if tension[2 * node] < -least and is_pressed(I, M, node, q, tension, least):
+        if is_pressed(I, M, node, q, tension, least):
             return True
     return False
 

@@ -5,6 +5,7 @@ motion or another mesh asks for more.
 """
 
 import math
+from typing import Any
 
 from cablemodel.solvers.finite_element.kernels.bodies.frames import (
     frame_breaks,
@@ -62,40 +63,32 @@ def refactor_state(I, M, gamma_dt):
     return refactor(I, M, q, v, a, view(M, head.tension, 2 * head.nodes), gamma_dt)
 
 
-@kernel
-def state_residual(I, M):
-    """Residual of the state: forces, and what is left of the constraint."""
-    head = header(I)
-    count = 2 * head.dimension * head.nodes
-    words = 2 * head.nodes
-    residual(
-        I,
-        M,
-        view(M, head.position, count),
-        view(M, head.velocity, count),
-        view(M, head.acceleration, count),
-        view(M, head.tension, words),
-        view(M, head.residual, count),
-        view(M, head.constraint_residual, words),
-    )
+def of_state(find: Any) -> Any:
+    """`find`, which is `residual` or `constraints`, of the state."""
+
+    @kernel
+    def find_of_state(I, M):
+        head = header(I)
+        count = 2 * head.dimension * head.nodes
+        words = 2 * head.nodes
+        find(
+            I,
+            M,
+            view(M, head.position, count),
+            view(M, head.velocity, count),
+            view(M, head.acceleration, count),
+            view(M, head.tension, words),
+            view(M, head.residual, count),
+            view(M, head.constraint_residual, words),
+        )
+
+    return find_of_state
 
 
-@kernel
-def state_constraints(I, M):
-    """What is left of the constraint of the state."""
-    head = header(I)
-    count = 2 * head.dimension * head.nodes
-    words = 2 * head.nodes
-    constraints(
-        I,
-        M,
-        view(M, head.position, count),
-        view(M, head.velocity, count),
-        view(M, head.acceleration, count),
-        view(M, head.tension, words),
-        view(M, head.residual, count),
-        view(M, head.constraint_residual, words),
-    )
+state_residual = of_state(residual)
+"""state_residual(I, M): forces, and what is left of the constraint."""
+state_constraints = of_state(constraints)
+"""state_constraints(I, M): what is left of the constraint alone."""
 
 
 @kernel
