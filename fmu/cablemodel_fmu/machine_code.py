@@ -38,6 +38,7 @@ RARE_ENTRIES = (
     "parts",
     "sample",
     "sample_elements",
+    "settle",
     "tension_ranges",
     "wrenches_when_moved",
 )

@@ -8,6 +8,7 @@ from numba import float64, int64
 
 from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
 from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
+from cablemodel.solvers.finite_element.kernels.floor import floor_memory
 from cablemodel.solvers.finite_element.kernels.line import system
 from cablemodel.solvers.finite_element.kernels.mesh import bending_mesh as refine
 from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh as follow
@@ -71,6 +72,13 @@ def refine_at_floor(I, M):
     if head.floor_state == FLOOR_FAR:
         return NOTHING
     return follow.follow_floor(I, M, True, 0)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def settle(I, M):
+    """Draw the places of rest on the floor after the present shape: floor_memory.settle."""
+    floor_memory.settle(I, M)
+    return 0
 
 
 @entry_point(int64(INTEGERS, REALS, int64))
@@ -264,6 +272,7 @@ ENTRY_POINTS = {
     "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
+    "settle": settle,
     "halve_at_rest": halve_at_rest,
     "place_supports": place_supports,
     "measure": measure,

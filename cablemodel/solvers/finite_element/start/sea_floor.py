@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
 from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 
@@ -26,8 +27,6 @@ DEPTH = 0.06
 """Gap below which the floor pushes, in units of tau L."""
 LYING = 0.2277
 """Of that: cable that is no higher lies (kernels/floor/contact.py)."""
-BRISTLE = 0.02
-"""Way along the floor after which friction is mobilised, in units of tau L."""
 SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
 tau times the height from which it hangs, and of that height: the longer one. Without the second

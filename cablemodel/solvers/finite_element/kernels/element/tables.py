@@ -89,6 +89,7 @@ CONTACT_POINTS = 0.5 + 0.5 * _CONTACT[0]
 CONTACT_WEIGHTS = 0.5 * _CONTACT[1]
 CONTACT_H = np.ascontiguousarray(_shape(CONTACT_POINTS).T)
 STIFFENING, STEEPEST = 4.0, 5.0  # of contact below the floor: see `contact.contact_law`
+BRISTLE = 0.02  # of tau L: way along the floor after which friction is mobilised, at most
 
 
 # The wet part of an element: a cubic of a quadratic, times a quadratic, is of degree 8.

@@ -2,8 +2,11 @@
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
+    bristle,
+    bristle_at,
     contact_law,
     contact_of,
     contact_place,
@@ -13,7 +16,11 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     place_law,
 )
 from cablemodel.solvers.finite_element.kernels.floor.feet import settle_feet
-from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at, lowest_gap
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import (
+    gap_at,
+    gap_below,
+    lowest_gap,
+)
 from cablemodel.solvers.shared.access import body_of, edge_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import inlined, kernel
 
@@ -21,36 +28,60 @@ SUPPORT_FASTEST = 3.0  # growth of what is borne for long, at most, in one chang
 
 
 LANDED = 0.05  # of the contact layer: cable that moves below this has landed
-SLOPE_SHIFTS = 4.0 / 27.0  # of its length: what a slope of 1 at one end moves a cubic by, at most
+SLIPPED = 2.0  # bristles, up to the longest: as long is what has slipped; noise loosens nothing
 FORGETS = 10.0  # times e, in what sinks by the contact layer's depth while it lands
 
 
-@kernel
-def longest_beside(I, M, node):
-    """The longer of a line's elements at a node [m]."""
-    head = header(I)
-    longest = 0.0
-    if node > 0 and I[head.joint + node] == 0:
-        longest = edge_of(I, M, node).length
-    child = node + 1
-    if child < head.nodes and I[head.parent + child] == node and I[head.joint + child] == 0:
-        longest = max(longest, edge_of(I, M, child).length)
-    return longest
+@inlined
+def share_within(way, normal, limit, dimension):
+    """Share of a bristle that is within a limit; its part along the normal is removed."""
+    length = along_floor(way, normal, dimension)
+    return 1.0 if length <= limit else limit / length
 
 
 @inlined
-def kept_of(way, normal, limit, dimension):
-    """Share of a vector that is left of it, along the floor, where it is longer than a limit; its
-    part along the normal is removed."""
-    length = along_floor(way, normal, dimension)
-    return 1.0 if length <= limit else limit / length
+def longest_kept(M):
+    """Bristle to which what has slipped is drawn, at rest [m]."""
+    state = scalars(M)
+    longest = BRISTLE * state.tolerance * state.length
+    return max(state.bristle, min(SLIPPED * state.bristle, longest))
+
+
+@kernel
+def share_of_element(I, M, node):
+    """Share of an element's bristles with which its friction is still whole, the largest of its
+    points'; 0 where it does not touch."""
+    head = header(I)
+    state = scalars(M)
+    if I[head.joint + node] != 0:
+        return 0.0
+    dimension = head.dimension
+    q = M[head.position : head.position + 2 * dimension * head.nodes]
+    contact = contact_of()
+    depth = state.floor_depth
+    parent = I[head.parent + node]
+    h = edge_of(I, M, node).length
+    share = 0.0
+    for p in range(4):
+        interpolate(q, parent, node, h, p, contact.place, dimension)
+        gap = gap_below(I, M, contact.place, contact.normal, dimension)
+        if gap >= depth:
+            continue
+        bristle(I, M, q, parent, node, h, p, contact, dimension)
+        law, _stiffness, _energy = contact_law(gap, depth)
+        limit = longest_kept(M) * law
+        share = max(share, share_within(contact.bristle, contact.normal, limit, dimension))
+    return share
 
 
 @kernel
 def settle(I, M):
     """Draw what is at rest after nodes that have slipped or left the floor (return mapping), and
-    after what lands: places, and slopes, which alone move the cable between nodes by 4/27 of an
-    element's length.
+    after what lands.
+
+    Elements bear friction at points within, by the bristles of their nodes. A node's is
+    shortened no more than leaves that friction as it is: where a point beside it sticks, not at
+    all. Otherwise cable that hangs by its friction would sink by a bit in each step.
 
     Cable that lies down on a rigid floor touches it flat and does not slide. Through a soft floor
     it comes at an angle a, and slides by what the cosine lacks on the way: with the friction of
@@ -63,39 +94,46 @@ def settle(I, M):
         settle_feet(I, M)
     dimension = head.dimension
     size = 2 * dimension
-    place = vector()
-    normal = vector()
+    contact = contact_of()
+    place = contact.place
     was = vector()  # a place of rest
-    way = vector()
     depth = state.floor_depth
     q = M[head.position : head.position + size * head.nodes]
+    beside = 0.0
     for node in range(head.nodes):
+        child = node + 1
+        above = beside
+        beside = 0.0
+        if child < head.nodes and I[head.parent + child] == node:
+            beside = share_of_element(I, M, child)
         rest = head.rest + size * node
         for i in range(dimension):
             place[i] = q[size * node + i]
-        gap = gap_at(I, M, place, normal)
-        share, _stiffness, _energy = contact_law(gap, depth)
-        limit = state.bristle * share
-        held = 1.0
+        gap = gap_at(I, M, place, contact.normal)
+        law, _stiffness, _energy = contact_law(gap, depth)
+        bristle_at(I, M, node, contact, dimension)
+        limit = longest_kept(M) * law
+        own = share_within(contact.bristle, contact.normal, limit, dimension)
+        held = 0.0
         if gap < depth:
+            held = max(own, above, beside)
             for i in range(dimension):
                 was[i] = M[rest + i]
-            above = min(gap_at(I, M, was, vector()), depth)
-            sunk = above - max(gap, LANDED * depth)
+            fell = min(gap_at(I, M, was, vector()), depth)
+            sunk = fell - max(gap, LANDED * depth)
             if sunk > 0.0:
-                held = math.exp(-FORGETS * sunk / depth)
-        for part in range(2):
-            at = part * dimension
+                held *= math.exp(-FORGETS * sunk / depth)
+        if held < 1.0:
+            bristle_at(I, M, node, contact, dimension)
+            along_floor(contact.bristle, contact.normal, dimension)
             for i in range(dimension):
-                way[i] = q[size * node + at + i] - M[rest + at + i]
-            most = limit
-            if part == 1:
-                # What slips has its slope's bristle drawn, too.
-                most = limit / max(1e-300, SLOPE_SHIFTS * longest_beside(I, M, node))
-            held *= kept_of(way, normal, most, dimension)
-            if held < 1.0:
-                for i in range(dimension):
-                    M[rest + at + i] = q[size * node + at + i] - way[i] * held
+                M[rest + i] = place[i] - held * contact.bristle[i]
+            for i in range(dimension):
+                contact.bristle[i] = q[size * node + dimension + i] - M[rest + dimension + i]
+            along_floor(contact.bristle, contact.normal, dimension)
+            for i in range(dimension):
+                at = dimension + i
+                M[rest + at] = q[size * node + at] - held * contact.bristle[i]
 
 
 @inlined

@@ -60,7 +60,7 @@ QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
 SLEEP_NEAR = 0.5  # of that way: hanging cable closer than this wakes
 MISSED = 0.02  # of tau L: motion of A that may be left out
-MISSED_TENSION = 10.0  # of tau times the largest tension: what is promised
+MISSED_TENSION = 1.0  # of tau times the largest tension: a tenth of what is promised
 SLEEP_SPARE = 0.1  # of the friction over the way before A: least change of tension to be held
 SLEEP_CALM, ROUGH = 0.25, 0.5  # of the friction: what water may take of what falls asleep; sleeps
 FEWEST_AWAKE = 12  # elements
@@ -438,9 +438,12 @@ def prepare_joining(I, M, first):
         square = 0.0
         for i in range(dimension):
             square += M[at + i] ** 2
-        scale = (1.0 + strain) / math.sqrt(square)
+        more = (1.0 + strain) / math.sqrt(square) - 1.0
+        rest = head.rest + at - head.position
         for i in range(dimension):
-            M[at + i] *= scale
+            change = more * M[at + i]
+            M[at + i] += change
+            M[rest + i] += change  # friction does not feel it
 
 
 @kernel

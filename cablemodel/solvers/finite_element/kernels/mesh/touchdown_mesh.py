@@ -18,11 +18,14 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import bear
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest_gap
 from cablemodel.solvers.finite_element.kernels.mesh.payout import (
+    at_fraction,
     hermite,
     join_at,
     next_cable,
     out_of_joint,
+    place_and_slope,
     split_edge,
+    split_rest,
     winch_of_edge,
 )
 from cablemodel.solvers.shared.access import (
@@ -55,6 +58,7 @@ STRAIN = 2e-5  # largest change of length when elements are joined
 TOUCHDOWN_BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 TOUCHDOWN_STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
 SOON = 2.0  # steps for which what comes down is split at once
+FRICTION_KEPT = 0.25  # of a bristle: what the one at the node of two that are joined may change by
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 TOUCHDOWN_FINEST, PUSHED = 8.0, 32.0  # of tau L: straighter and shorter stays whole; if pressed
@@ -464,6 +468,29 @@ def one_cubic_does(I, M, node):
 
 
 @kernel
+def keeps_friction(I, M, node):
+    """Whether one element in the place of the two at a node has the bristle there that it has."""
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    size = 2 * dimension
+    h1 = edge_of(I, M, node).length
+    h = h1 + edge_of(I, M, node + 1).length
+    place = place_and_slope()
+    rest = place_and_slope()
+    at = size * node
+    at_fraction(
+        M, head.position + at - size, head.position + at + size, dimension, h, h1 / h, place
+    )
+    split_rest(I, M, node - 1, node + 1, h, h1 / h, place, rest)
+    square = 0.0
+    for i in range(dimension - 1):
+        bristle = M[head.position + at + i] - M[head.rest + at + i]
+        square += (bristle - (place[i] - rest[i])) ** 2
+    return square <= (FRICTION_KEPT * state.bristle) ** 2
+
+
+@kernel
 def may_join(I, M, node, gaps, wanted):
     """Whether an element may become one with that before it."""
     state = scalars(M)
@@ -476,6 +503,11 @@ def may_join(I, M, node, gaps, wanted):
         lower.length + upper.length < aim
         and upper.segment == lower.segment
         and is_straight(I, M, node - 1, jump_at(I, M, node - 1, False))
+        and (
+            state.friction == 0.0
+            or gaps[node] >= state.floor_depth
+            or keeps_friction(I, M, node - 1)
+        )
     )
 
 

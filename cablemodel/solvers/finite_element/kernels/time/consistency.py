@@ -38,7 +38,7 @@ from cablemodel.solvers.shared.environment import (
     surge_jump,
     vessel_motion,
 )
-from cablemodel.solvers.shared.layout import HELD_BY_FRAME
+from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, HELD_BY_FRAME
 
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
@@ -259,6 +259,10 @@ def make_consistent(I, M, changed, scheme):
         copy_words(I, head.tension_rate, head.stage_tension, words)
         state_residual(I, M)  # the next matrix takes the forces at arms from the last one
         gamma_dt *= 0.1
+    if head.floor_state == FLOOR_TOUCHED:
+        # Friction does not feel what is no motion.
+        for n in range(count):
+            M[head.rest + n] += M[head.position + n] - M[head.base_position + n]
     head.factored = 0
     head.has_history = 0
     state.last_step = 0.0
