@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.solvers.finite_element.start.sea_floor import bristle_length
-
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
@@ -479,12 +477,18 @@ def system_start_warnings(model: SystemModel) -> list[str]:
 
 
 def _held_too_softly(model: SystemModel) -> list[str]:
-    """Of friction that takes hold too softly, the line that this matters to most."""
+    """Of friction that takes hold too softly, the line that this matters to most.
+
+    Not where friction has taken hold of what lies to an anchor, as of a line alone.
+    """
     scene = model.scene
     accuracy = scene.solver.accuracy or scene.solver.tolerance
     worst, reach, wrong, more = "", 0.0, 0.0, 1.0
     others = []
     for name, line in model.lines.items():
+        anchored = any(end.anchor is not None for end in scene.lines[name].ends)
+        if model.built.friction_holds and anchored and not line.sample().on_floor.all():
+            continue
         its_reach, its_wrong = held_by_springs(model, name)
         times = its_wrong / (10.0 * accuracy * max(max(map(abs, line.tension_range)), 1e-300))
         if times > 1.0:
@@ -495,8 +499,9 @@ def _held_too_softly(model: SystemModel) -> list[str]:
         return []
     others.remove(worst)
     also = f" (and {', '.join(others)})" if others else ""
+    bristle = 1e3 * model.built.block.scalars.bristle
     return [
-        f"lines.{worst}{also}: friction takes hold over {1e3 * bristle_length(scene):.2g} mm, so a "
+        f"lines.{worst}{also}: friction takes hold over {bristle:.2g} mm, so a "
         f"change of tension reaches some {reach:.2g} m further along the floor than Coulomb's "
         f"friction lets it: what lies, and its anchor, may feel up to {wrong:.4g} N too much or "
         f"too little, {more:.2g} times what is promised; less at a finer tolerance, as its root"
@@ -528,7 +533,7 @@ def held_by_springs(model: SystemModel, name: str) -> tuple[float, float]:
         holds = floor.friction * max(0.0, kind.submerged_weight)
         if lies == 0.0 or holds == 0.0:
             continue
-        reach = math.sqrt(bristle_length(scene) / (kind.strain_coefficients[0] * holds))
+        reach = math.sqrt(model.built.block.scalars.bristle / (kind.strain_coefficients[0] * holds))
         if holds * min(reach, lies) > most:
             farthest, most = reach, holds * min(reach, lies)
     return farthest, most

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
 from cablemodel.scene.sea import sea
+from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import continuation as continuation
-from cablemodel.solvers.finite_element.start import sea_floor, search
-from cablemodel.solvers.finite_element.start.first_state import count_from_zero
+from cablemodel.solvers.finite_element.start import firm_friction, sea_floor, search
+from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
@@ -59,7 +60,8 @@ def build(scene: SystemScene) -> Built:
         except search.OutOfTimeError:
             raise sought.gives_up() from None
     whole = joined(scene, built, starts)
-    whole.unstable = built is not None and built.unstable
+    if built is not None:
+        whole.unstable, whole.friction_holds = built.unstable, built.friction_holds
     return whole
 
 
@@ -106,6 +108,9 @@ def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Bui
     if leaves is not None:
         warnings.warn(leaves, stacklevel=2)
     built.unstable = leaves is not None
+    if not velocity.any():
+        sought.tries("with friction")
+        built.friction_holds = _let_friction_hold(built.block)
     _start_flowing(scene, built)
     return built
 
@@ -144,6 +149,26 @@ def _at_rest(
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
     return built
+
+
+def _let_friction_hold(block: Block) -> bool:
+    """Let the floor's friction take hold of lines that lie to anchors, as of a line alone; whether
+    it did. Else the start stays as it is."""
+    from cablemodel.solvers import library as entry
+
+    if block.header.floor_kind == at.FLOOR_NONE or block.scalars.friction == 0.0:
+        return False
+    before, lengths = block.image.copy(), np.empty(3)
+    if entry.lay_to_anchors(block.ints, block.reals, lengths) == at.NOTHING:
+        return False
+    if not firm_friction.take_hold(block, firm_friction.Lengths(*lengths.tolist())):
+        block.take(before)
+        return False
+    hold_supports(block)
+    count_from_zero(block)
+    if block.header.hybrid:
+        entry.choose_bending(block.ints, block.reals)
+    return True
 
 
 def _start_flowing(scene: SystemScene, built: Built) -> None:

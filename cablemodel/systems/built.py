@@ -40,6 +40,8 @@ class Built:
     tree: Tree
     unstable: bool = False
     """Its start is, which has been warned of."""
+    friction_holds: bool = False
+    """The floor's friction took hold of lines that lie to anchors at its start."""
 
     def __post_init__(self) -> None:
         segments = self.tree.segments

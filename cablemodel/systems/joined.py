@@ -51,12 +51,14 @@ def joined(scene: SystemScene, rest: Built | None, starts: list[tuple[Lay, Block
     sea_floor.fill(block, scene)
     block.header.sleep = 0
     of_line = np.array([name for name, _arc in tree.arcs])
-    if rest is not None:
-        apart = [lay.line for lay, _own in starts]
-        _put_rest(built, rest, np.flatnonzero(~np.isin(of_line, apart)))
     for lay, own in starts:
         own_nodes = np.flatnonzero(of_line == lay.line)
         _put_line(built, lay, own, own_nodes if _outward(built, lay) else own_nodes[::-1])
+    if rest is not None:
+        if rest.friction_holds:  # on shorter bristles than those of lines that start alone
+            entry.draw_alike(block.ints, block.reals, float(rest.block.scalars.bristle))
+        apart = [lay.line for lay, _own in starts]
+        _put_rest(built, rest, np.flatnonzero(~np.isin(of_line, apart)))
     hold_supports(block)
     count_from_zero(block)
     if block.header.hybrid:

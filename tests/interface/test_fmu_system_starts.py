@@ -159,6 +159,36 @@ def test_it_starts_as_the_scene_that_begins_there(case: str, tmp_path: Path) -> 
         slave.close()
 
 
+def test_friction_takes_hold_of_what_lies_to_anchors_at_a_start_that_is_set(tmp_path: Path) -> None:
+    """Of chains that pull at their anchors by more than 9 kN without it. The scene's own start is
+    that of the library to the bit, and goes on so."""
+    data = moored().to_dict()
+    for name, x in ("bow", 1.0), ("aft", -1.0):
+        data["lines"][name]["to"]["anchor"] = [300.0 * x, 0, -60]
+        data["lines"][name]["items"][0]["cable"]["length"] = 312.0
+    scene = cm.load_system(data)
+    plain, model = SystemModel(scene), SystemModel(begun(scene, ASIDE))
+    assert plain.built.friction_holds
+    assert model.built.friction_holds
+    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, use_scene_inputs=True)
+        for _ in range(3):
+            for name, wanted in expected(plain).items():
+                if name.startswith(("bow.tension", "aft.tension")):
+                    np.testing.assert_array_equal(slave.get(name), wanted)
+            slave.step(0.5)
+            plain.step(0.5)
+        slave.close()
+        slave = Slave(*found, **named(ASIDE))
+        for name, line in model.lines.items():
+            horizontal = line.start_tension - 680.0 * 60.0
+            assert horizontal > 9e3
+            promise = 10.0 * scene.solver.tolerance * line.start_tension
+            assert abs(slave.get(f"{name}.tension.end") - line.end_tension) < 0.1 * promise
+            assert abs(line.end_tension) < promise
+        slave.close()
+
+
 def test_all_vessels_moved_alike_move_what_hangs_there_to_the_bit(tmp_path: Path) -> None:
     way = np.array([64.0, -32.0, 0.0])  # added without rounding
     starts = {"a.start_position": way, "b.start_position": way + np.array([0.0, 60.0, 0.0])}

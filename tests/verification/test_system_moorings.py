@@ -12,6 +12,9 @@ from scipy.optimize import fsolve
 
 import cablemodel as cm
 from cablemodel.cli.plausibility import held_by_springs, system_start_warnings
+from cablemodel.solvers.finite_element.start import firm_friction
+from cablemodel.solvers.shared import layout as at
+from tests.verification.references.moored import moored_catenary
 
 LENGTH, WEIGHT, STIFFNESS, DEPTH = 280.0, 850.0, 300e6, 100.0
 ANGLES = np.radians([0.0, 120.0, 240.0])
@@ -261,46 +264,145 @@ def test_a_buoy_above_its_anchor_floats_on_slack_chain(depth: float) -> None:
     assert model.lines["leg"].end_tension == pytest.approx(weight * hangs, rel=2e-3)
 
 
+FRICTION, CHAIN = 0.6, 222.0
+
+
+def moored_ship(items: list[dict[str, Any]], tolerance: float = 1e-3) -> dict[str, Any]:
+    """130 m of cable from an anchor to a ship 45 m above the floor, which hauls at it from 2 s on
+    for 2.5 m."""
+    hauls = [(0.0, 0.0), (2.0, 0.0), (4.0, 0.25), (12.0, 0.25), (14.0, 0.0)]
+    kinds = {
+        "chain": {"diameter": 0.036, "mass": 26.0, "axial_stiffness": 1e8},
+        "heavy": {"diameter": 0.06, "mass": 70.0, "axial_stiffness": 4e8},
+    }
+    for kind, weight in ("chain", CHAIN), ("heavy", 600.0):
+        kinds[kind]["submerged_weight"] = weight
+    used = {item["cable"]["type"] for item in items if "cable" in item}
+    return {
+        "environment": {"floor": {"z": -45.0, "friction": FRICTION}},
+        "cable_types": {name: kind for name, kind in kinds.items() if name in used},
+        "vessels": {
+            "ship": {
+                "position": [108.0, 0, 0],
+                "points": {"eye": [0, 0, 0]},
+                "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in hauls],
+            }
+        },
+        "lines": {"leg": {"from": {"anchor": [0, 0, -45.0]}, "to": "ship.eye", "items": items}},
+        "solver": {"tolerance": tolerance},
+    }
+
+
+def piece(length: float, kind: str = "chain") -> dict[str, Any]:
+    return {"cable": {"type": kind, "length": length}}
+
+
+def off_coulomb(model: cm.SystemModel, name: str, weight: float, stiffness: float) -> float:
+    """By how much tensions of a line that begins at its anchor miss those of one that was laid and
+    then pulled to where its end is, in what is promised: the most along it."""
+    line, friction = model.lines[name], model.scene.environment.floor.friction
+    s = np.linspace(0.0, line.length, 1001)
+    found = line.sample(s)
+    way = found.position[-1] - found.position[0]
+    across = float(np.hypot(*way[:2]))
+    exact = moored_catenary(across, float(way[2]), line.length, weight, stiffness, friction)
+    wanted = exact.tension(s)
+    off = np.abs(found.tension - wanted).max()
+    return float(off / (10.0 * model.scene.solver.tolerance * wanted.max()))
+
+
+def test_friction_holds_the_legs_of_a_buoy_from_the_start_on() -> None:
+    """Also at rest for 30 s. Legs are as stiff as chain, and lie far to their anchors."""
+    scene = buoy_on_three_legs(0.6)
+    for name, angle in zip("abc", ANGLES, strict=True):
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        scene["lines"][name]["from"] = {"anchor": (400.0 * way - [0.0, 0.0, DEPTH]).tolist()}
+        scene["lines"][name]["items"][0]["cable"]["length"] = LENGTH + 150.0
+    model = cm.SystemModel(scene)
+    assert system_start_warnings(model) == []
+    for time in (0.0, 30.0):
+        if time:
+            model.step_to(time)
+        for name, line in model.lines.items():
+            assert off_coulomb(model, name, WEIGHT, STIFFNESS) < 3.0
+            assert abs(line.start_tension) < 3e-2 * line.end_tension
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("turned", [False, True])
+def test_friction_holds_a_line_of_a_ship_from_the_start_on(tolerance: float, turned: bool) -> None:
+    """No tension comes to its anchor, which it would pull at by 6,400 N. Then it is hauled at:
+    friction's springs let through less than a tenth of the largest tension."""
+    scene = moored_ship([piece(130.0)], tolerance)
+    leg = scene["lines"]["leg"]
+    if turned:
+        leg["from"], leg["to"] = leg["to"], leg["from"]
+    model = cm.SystemModel(scene)
+    line = model.lines["leg"]
+    assert system_start_warnings(model) == []
+    promised = 10.0 * tolerance * line.tension_range[1]
+    assert abs(line.end_tension if turned else line.start_tension) < promised
+    if not turned:
+        assert off_coulomb(model, "leg", CHAIN, 1e8) < (3.0 if tolerance == 1e-3 else 6.0)
+        model.step_to(40.0)
+        assert off_coulomb(model, "leg", CHAIN, 1e8) < 0.1 / (10.0 * tolerance)
+
+
+@pytest.mark.parametrize(
+    ("items", "lost"),
+    [
+        ([piece(40.0, "heavy"), piece(90.0)], {40.0: 0.0, 35.0: 5.0 * 600.0, 20.0: 20.0 * 600.0}),
+        (
+            [piece(50.0), {"body": {"name": "clump", "mass": 500.0, "submerged_weight": 3000.0}},
+             piece(80.0)],
+            {51.0: 0.0, 49.0: 3000.0 + 2.0 * CHAIN, 40.0: 3000.0 + 11.0 * CHAIN, 0.0: 1e5},
+        ),
+    ],
+    ids=["two cables", "a clump"],
+)  # fmt: skip
+def test_friction_takes_from_the_tension_what_lies_weighs(
+    items: list[dict[str, Any]], lost: dict[float, float]
+) -> None:
+    """From a place that lies on to the anchor: mu times that, and no more than there is."""
+    scene = moored_ship(items)
+    scene["vessels"]["ship"].pop("velocity")
+    model = cm.SystemModel(scene)
+    line, (first, *_) = model.lines["leg"], lost
+    for time in (0.0, 30.0):
+        if time:
+            model.step_to(time)
+        found = dict(zip(lost, line.sample(list(lost)).tension, strict=True))
+        horizontal = line.end_tension - 45.0 * CHAIN
+        lies = line.on_floor.floor_length
+        assert found[first] == pytest.approx(
+            horizontal - FRICTION * CHAIN * (lies - first), abs=3e-2 * line.end_tension
+        )
+        for arc, weight in lost.items():
+            wanted = max(0.0, found[first] - FRICTION * weight)
+            assert found[arc] == pytest.approx(wanted, abs=3e-2 * line.end_tension)
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_check_tells_by_how_much_soft_friction_misses_the_tension_of_an_anchor(
-    tolerance: float,
+    tolerance: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Coulomb's friction takes mu w a metre from a tension that rises at the touchdown, and lets
-    none of it come to an anchor far behind: springs do, by no more than `check` says."""
-    friction, weight, lies = 0.6, 222.0, 30.0
-    chain = {"diameter": 0.036, "mass": 26.0, "submerged_weight": weight, "axial_stiffness": 1e8}
-    hauls = [(0.0, 0.0), (2.0, 0.0), (4.0, 0.25), (12.0, 0.25), (14.0, 0.0)]
-    model = cm.SystemModel(
-        {
-            "environment": {"floor": {"z": -45.0, "friction": friction}},
-            "cable_types": {"chain": chain},
-            "vessels": {
-                "ship": {
-                    "position": [108.0, 0, 0],
-                    "points": {"eye": [0, 0, 0]},
-                    "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in hauls],
-                }
-            },
-            "lines": {
-                "leg": {
-                    "from": {"anchor": [0, 0, -45.0]},
-                    "to": "ship.eye",
-                    "items": [{"cable": {"type": "chain", "length": 130.0}}],
-                }
-            },
-            "solver": {"tolerance": tolerance},
-        }
-    )
+    """Where no start is found that friction holds, it begins without. Coulomb's friction takes mu w
+    a metre from a tension that rises at the touchdown, and lets none of it come to an anchor far
+    behind: springs do, by no more than `check` says."""
+    lies = 30.0
+    monkeypatch.setattr(firm_friction, "_on_shorter", lambda *_: at.STATICS_FAILED)
+    model = cm.SystemModel(moored_ship([piece(130.0)], tolerance))
     line = model.lines["leg"]
     first, largest = line.start_tension, line.end_tension
+    assert first == pytest.approx(largest - 45.0 * CHAIN, rel=2e-2)
     (warning,) = system_start_warnings(model)
     reach, most = held_by_springs(model, "leg")
     assert f"up to {most:.4g} N" in warning
-    assert reach * friction * weight == pytest.approx(most)
+    assert reach * FRICTION * CHAIN == pytest.approx(most)
     model.step_to(14.0)
     behind = line.sample([lies])
     assert behind.on_floor[0]
-    assert behind.tension[0] - first < 0.5 * friction * weight * lies  # which holds all of that
+    assert behind.tension[0] - first < 0.5 * FRICTION * CHAIN * lies  # which holds all of that
     assert 10.0 * tolerance * largest < line.start_tension - first < most
 
 

@@ -73,7 +73,7 @@ def test_a_leg_lies_as_one_line_does(from_anchor: bool) -> None:
 def test_forces_on_a_leg_balance_at_rest() -> None:
     """Moved over a rough floor and at rest again: the floor's force, and those at both ends,
     which friction makes unequal, bear the weight."""
-    motion = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 4, "velocity": [0.5, 0.5, 0]},
+    motion = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 4, "velocity": [-0.5, 0.5, 0]},
               {"t": 8, "velocity": [0, 0, 0]}]  # fmt: skip
     model = SystemModel(mooring(True, friction=0.5, velocity=motion))
     model.step_to(300.0)
@@ -82,7 +82,7 @@ def test_forces_on_a_leg_balance_at_rest() -> None:
     pulls = ends.tension[:, None] * ends.tangent
     left = found.floor_force + pulls[1] - pulls[0] - [0.0, 0.0, WEIGHT * LENGTH]
     assert left == pytest.approx(np.zeros(3), abs=1e-3 * leg.end_tension)
-    assert np.hypot(*found.floor_force[:2]) > 0.02 * leg.end_tension
+    assert np.hypot(*found.floor_force[:2]) > 0.01 * leg.end_tension
 
 
 @pytest.mark.parametrize("at", ["start", "end"])

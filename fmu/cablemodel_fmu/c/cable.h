@@ -157,6 +157,9 @@ int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
 int64_t cablemodel_halve_at_rest(void *block, int64_t words, int64_t node);
+int64_t cablemodel_settle(void *block, int64_t words);
+int64_t cablemodel_lay_to_anchors(void *block, int64_t words, double *lengths, int64_t n);
+int64_t cablemodel_draw_alike(void *block, int64_t words, double bristle);
 int64_t cablemodel_stabilise(void *block, int64_t words);
 int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);

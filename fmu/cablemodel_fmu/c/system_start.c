@@ -13,6 +13,8 @@
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
+#define DRAWINGS 4                 /* as those of start/firm_friction.py */
+#define SHORTER_AT_ONCE 2.0
 #define SAME_VELOCITY 1e-9         /* as steady_velocity of cablemodel/systems/lines.py */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {
@@ -442,6 +444,76 @@ static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
     return OK;
 }
 
+/* -- where friction takes hold: cablemodel/solvers/finite_element/start/firm_friction.py -------------- */
+
+static int64_t equilibrium_at_rest(Cable *cable) {
+    double none[3] = {0};
+    return cablemodel_equilibrium(cable->I, cable->block_words, none, 3);
+}
+
+/* Equilibrium whose roots are drawn after what slips. */
+static int64_t drawn(Cable *cable) {
+    for (int n = 0; n < DRAWINGS; n++) {
+        const int64_t status = equilibrium_at_rest(cable);
+        if (status != OK) return status;
+        cablemodel_settle(cable->I, cable->block_words);
+    }
+    return OK;
+}
+
+static int64_t on_shorter(Cable *cable, double length, double shortest) {
+    for (;; length = fmax(shortest, length / SHORTER_AT_ONCE)) {
+        scalars(cable->M)->bristle = length;
+        const int64_t status = drawn(cable);
+        if (status != OK || length == shortest) return status;
+    }
+}
+
+/* Whether friction takes up more than what slips loses, against the tensions of an image. */
+static int takes_up(const Cable *cable, const int64_t *before) {
+    double most = -INFINITY, least = INFINITY;
+    for (int64_t node = 0; node < header(cable->I)->nodes; node++) {
+        const double up = ((const double *)before)[header(before)->tension + 2 * node] -
+                          cable->M[header(cable->I)->tension + 2 * node];
+        most = fmax(most, up);
+        least = fmin(least, up);
+    }
+    return most > -least;
+}
+
+/* The start as it is where there is none with friction. The exported bristles may be shorter than those
+   on which one is sought; they differ from these by rounding where they are not. */
+static int64_t let_friction_hold(Cable *cable) {
+    double lengths[3];
+    Scalars *state = scalars(cable->M);
+    if (header(cable->I)->floor_kind == FLOOR_NONE || state->friction == 0.0) return OK;
+    int64_t *before = copy_of_image(cable);
+    if (before == NULL) return NO_CAPACITY;
+    const int64_t lies = cablemodel_lay_to_anchors(cable->I, cable->block_words, lengths, 3);
+    if (!(fabs(state->bristle - lengths[0]) <= 1e-9 * lengths[0]))
+        scalars((double *)before)->bristle = state->bristle = lengths[0];
+    int64_t status = OK;
+    if (lies != NOTHING) {
+        status = on_shorter(cable, lengths[0], lengths[1]);
+        if (status == OK && !takes_up(cable, before)) status = STATICS_FAILED;
+        if (status == OK) {
+            cablemodel_draw_alike(cable->I, cable->block_words, lengths[2]);
+            status = equilibrium_at_rest(cable);
+        }
+        if (status == OK) {
+            hold_ends(cable);
+            count_from_zero(cable);
+            if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
+        } else if (status != NO_CAPACITY) {
+            lay_out_as(cable, before);
+            give_back(cable, before);
+            status = OK;
+        }
+    }
+    free(before);
+    return status;
+}
+
 /* From a share of the way to another one. */
 static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     double velocity[3], *before = malloc(sizeof(double) * (size_t)(6 * header(cable->I)->nodes));
@@ -530,6 +602,7 @@ static const char *search(Cable *cable) {
     velocity_at(&way, 1.0, velocity);
     if (status == OK) status = refine(cable, velocity, 0);
     if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, velocity, 1);
+    if (status == OK && !differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
     if (status == NO_CAPACITY) return "out of memory";
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);

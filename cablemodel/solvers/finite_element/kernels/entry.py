@@ -11,6 +11,7 @@ from cablemodel.solvers.finite_element.kernels.element import scales, stabilisat
 from cablemodel.solvers.finite_element.kernels.floor import floor_memory
 from cablemodel.solvers.finite_element.kernels.line import system
 from cablemodel.solvers.finite_element.kernels.mesh import bending_mesh as refine
+from cablemodel.solvers.finite_element.kernels.mesh import firm_friction
 from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh as follow
 from cablemodel.solvers.finite_element.kernels.outputs import (
     energies,
@@ -78,6 +79,19 @@ def refine_at_floor(I, M):
 def settle(I, M):
     """Draw the places of rest on the floor after the present shape: floor_memory.settle."""
     floor_memory.settle(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def lay_to_anchors(I, M, lengths):
+    """Places of rest of what lies to anchors: firm_friction.lay_to_anchors, which fills 3 words."""
+    return firm_friction.lay_to_anchors(I, M, lengths)
+
+
+@entry_point(int64(INTEGERS, REALS, float64))
+def draw_alike(I, M, bristle):
+    """Bristles of another length [m]: firm_friction.draw_alike."""
+    firm_friction.draw_alike(I, M, bristle)
     return 0
 
 
@@ -273,6 +287,8 @@ ENTRY_POINTS = {
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
     "settle": settle,
+    "lay_to_anchors": lay_to_anchors,
+    "draw_alike": draw_alike,
     "halve_at_rest": halve_at_rest,
     "place_supports": place_supports,
     "measure": measure,

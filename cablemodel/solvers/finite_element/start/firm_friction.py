@@ -2,9 +2,9 @@
 
 Friction is a bristle of a length u. Where Coulomb's friction ends a tension, it creeps on over
 sqrt(EA u / (mu w)), and is wrong by sqrt(EA u mu w) / e at most. Cable that hardly stretches feels
-that at its anchor, though nothing has moved by more than u. A start has no steps
-to take: it is found on bristles that are as short as tensions ask. Steps go on with longer ones,
-drawn by the same shares: what a step may be wrong by would work shorter ones loose.
+that at its anchor, though nothing has moved by more than u. A start has no steps to take: it is
+found on bristles that are as short as tensions ask. Steps go on with longer ones, drawn by the same
+shares: what a step may be wrong by would work shorter ones loose.
 
 Bristles get shorter bit by bit, and what slips is drawn after at each length.
 """
@@ -12,14 +12,15 @@ Bristles get shorter bit by bit, and what slips is drawn after at each length.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.kernels.element.tables import FIRM, SHORTEST
 from cablemodel.solvers.finite_element.start import search
-from cablemodel.solvers.finite_element.start.laid_start import shape_and_roots
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
@@ -28,15 +29,24 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-FIRM = 0.1
-"""Bristles of steps, at least, of those of lines that lie to no anchor: on a tenth of that, what
-steps may be wrong by works friction loose."""
 SHORTER_AT_ONCE = 2.0
 """By how much bristles get shorter at a time, at most; at a fourth the tension beyond what slips
 is twice as wrong."""
 DRAWINGS = 4
 """In which roots are drawn after what has slipped, at each length. With one of them what lies
 pulls twice as much at its anchor; from then on the elements decide."""
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """Of bristles [m]."""
+
+    own: float
+    """On which the start was found."""
+    short: float
+    """As tensions ask."""
+    for_steps: float
+    """So that sqrt(promised T) creeps, where steps allow it."""
 
 
 def applies(scene: Scene) -> bool:
@@ -48,53 +58,60 @@ def applies(scene: Scene) -> bool:
     return scene.starts_at_rest and not moves and scene.rate_at_start == 0.0
 
 
-def take_hold(block: Block, scene: Scene, promised: float) -> None:
-    """Find the start on shorter bristles, and go on with short ones; nothing changes without an
-    equilibrium there, nor where what slips loses more where the cable lands than friction takes up
-    beyond: where all slips up to the anchor, no tension creeps.
-
-    promised: what tensions may be wrong by [N].
+def take_hold(block: Block, lengths: Lengths) -> bool:
+    """Find the start on shorter bristles, and go on with short ones; whether it was found. Nothing
+    changes without an equilibrium there, nor where what slips loses more where the cable lands than
+    friction takes up beyond: where all slips up to the anchor, no tension creeps.
     """
-    bristle = float(block.scalars.bristle)
-    of_a_metre = _pull_of_a_metre(scene)
-    short = (math.e * promised) ** 2 / of_a_metre
-    if short >= bristle:
-        return
     before, tension = block.image.copy(), block.array(Header.tension, int(block.header.nodes), 2)
     crept = tension[:, 0].copy()
     try:
-        status = _on_shorter(block, short)
+        status = _on_shorter(block, lengths)
         taken_up = crept - tension[:, 0]
         if status == at.OK and taken_up.max() > -taken_up.min():
-            # What creeps is sqrt(promised T) then, where steps allow it.
-            creeps = promised * float(np.abs(crept).max()) / of_a_metre
-            status = _on_longer(block, min(bristle, max(creeps, FIRM * bristle)))
+            status = _on_longer(block, lengths.for_steps)
         else:
             status = int(at.STATICS_FAILED)
     except search.OutOfTimeError:
         status = int(at.STATICS_FAILED)
     if status != at.OK:
         block.image[:] = before
+    return status == at.OK
 
 
-def _on_shorter(block: Block, short: float) -> int:
-    """Equilibrium on bristles that get as short as that [m]; a status."""
+def lengths_for(block: Block, scene: Scene, promised: float) -> Lengths | None:
+    """Those of a line alone, None where its own bristles are short enough.
+
+    promised: what tensions may be wrong by [N].
+    """
+    bristle = float(block.scalars.bristle)
+    of_a_metre = _pull_of_a_metre(scene)
+    short = max((math.e * promised) ** 2 / of_a_metre, SHORTEST * float(block.scalars.length))
+    if short >= bristle:
+        return None
+    largest = float(np.abs(block.array(Header.tension, int(block.header.nodes), 2)[:, 0]).max())
+    for_steps = min(bristle, max(FIRM * bristle, promised * largest / of_a_metre))
+    return Lengths(bristle, short, for_steps)
+
+
+def _on_shorter(block: Block, lengths: Lengths) -> int:
+    """Equilibrium on bristles that get as short as is asked; a status."""
     state = block.scalars
-    bristle = float(state.bristle)
-    for length in np.geomspace(bristle, short, 2 + int(math.log(bristle / short, SHORTER_AT_ONCE))):
+    length = lengths.own
+    while True:
         state.bristle = length
         status = _drawn(block)
-        if status != at.OK:
+        if status != at.OK or length == lengths.short:
             return status
-    return int(at.OK)
+        length = max(lengths.short, length / SHORTER_AT_ONCE)
 
 
 def _on_longer(block: Block, bristle: float) -> int:
     """The same equilibrium on longer bristles [m], drawn by the same shares; a status."""
-    shape, roots = shape_and_roots(block)
-    roots[:] = shape - bristle / float(block.scalars.bristle) * (shape - roots)
-    block.scalars.bristle = bristle
-    return search.equilibrium(block, np.zeros(3))
+    from cablemodel.solvers import library as entry
+
+    entry.draw_alike(block.ints, block.reals, bristle)
+    return search.equilibrium(block, np.zeros(int(block.header.dimension)))
 
 
 def _drawn(block: Block) -> int:
@@ -102,7 +119,7 @@ def _drawn(block: Block) -> int:
     from cablemodel.solvers import library as entry
 
     for _ in range(DRAWINGS):
-        status = search.equilibrium(block, np.zeros(3))
+        status = search.equilibrium(block, np.zeros(int(block.header.dimension)))
         if status != at.OK:
             return status
         entry.settle(block.ints, block.reals)

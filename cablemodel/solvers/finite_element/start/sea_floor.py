@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE
+from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE, DEPTH
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-DEPTH = 0.06
-"""Gap below which the floor pushes, in units of tau L."""
 LYING = 0.2277
 """Of that: cable that is no higher lies (kernels/floor/contact.py)."""
 SHARPEST = 1.2, 0.003

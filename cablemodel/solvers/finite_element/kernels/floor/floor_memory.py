@@ -2,7 +2,7 @@
 
 import math
 
-from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE
+from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE, DEPTH
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
     bristle,
@@ -40,11 +40,16 @@ def share_within(way, normal, limit, dimension):
 
 
 @inlined
+def longest_bristle(M):
+    """That of lines that lie to no anchor [m]."""
+    return BRISTLE / DEPTH * scalars(M).floor_depth
+
+
+@inlined
 def longest_kept(M):
     """Bristle to which what has slipped is drawn, at rest [m]."""
-    state = scalars(M)
-    longest = BRISTLE * state.tolerance * state.length
-    return max(state.bristle, min(SLIPPED * state.bristle, longest))
+    bristle = scalars(M).bristle
+    return max(bristle, min(SLIPPED * bristle, longest_bristle(M)))
 
 
 @kernel

@@ -1,0 +1,129 @@
+"""What a start needs where the floor's friction takes hold of lines that lie to anchors: its places
+of rest and the lengths of its bristles (start/firm_friction.py; the FMU's system_start.c).
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
+from cablemodel.solvers.finite_element.kernels.element.tables import FIRM, SHORTEST
+from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
+from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars, vector
+from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.layout import (
+    CHANGED,
+    HELD_BY_ANCHOR,
+    JOINT_BODY,
+    JOINT_NONE,
+    NOTHING,
+)
+
+
+@kernel
+def next_along(I, node, outward):
+    """The node that follows on one along its line, away from the tree's root or towards it; -1: it
+    ends there."""
+    head = header(I)
+    if outward:
+        child = node + 1
+        if child < head.nodes and I[head.parent + child] == node:
+            return child if I[head.joint + child] <= JOINT_BODY else -1
+        return -1
+    if node == 0 or I[head.joint + node] > JOINT_BODY:
+        return -1
+    return I[head.parent + node]
+
+
+@kernel
+def touches(I, M, node):
+    """Whether a node is within the contact layer."""
+    head = header(I)
+    size = 2 * head.dimension
+    at = head.position + size * node
+    gap = gap_at(I, M, M[at : at + head.dimension], vector())
+    return gap < scalars(M).floor_depth
+
+
+@kernel
+def lay_to_anchors(I, M, lengths):
+    """Make places of rest of what lies to anchors those where it was laid, without tension, from
+    the anchor on along its own way; what lies between two ends and rises nowhere stays free.
+
+    lengths: filled with the bristles' own length, the shortest that tensions ask, and that for
+    steps [m]. Returns whether anything lies so.
+    """
+    head = header(I)
+    state = scalars(M)
+    dimension = head.dimension
+    size = 2 * dimension
+    bristle = longest_bristle(M)
+    lengths[0] = lengths[1] = lengths[2] = bristle
+    found = NOTHING
+    for row in range(head.constraint_count):
+        held = constraint_of(I, M, row)
+        if int(held.kind) != HELD_BY_ANCHOR:
+            continue
+        anchor = int(held.node)
+        outward = next_along(I, anchor, True) != -1
+        # Past what lies, to the end of the line.
+        node = anchor
+        hangs = not touches(I, M, anchor)
+        pull = largest = 0.0
+        lies = 0
+        while True:
+            before = node
+            node = next_along(I, before, outward)
+            if node == -1:
+                break
+            hangs = hangs or not touches(I, M, node)
+            element = node if outward else before
+            if I[head.joint + element] != JOINT_NONE:
+                continue
+            largest = max(largest, abs(M[head.tension + 2 * element]))
+            edge = edge_of(I, M, element)
+            if not hangs and edge.compliance > 0.0:
+                lies += 1
+                pull = max(pull, state.friction * edge.contact / edge.compliance)
+        if not hangs or lies == 0 or pull == 0.0:
+            continue
+        promised = 10.0 * state.tolerance * largest
+        short = max((math.e * promised) ** 2 / pull, SHORTEST * state.length)
+        if short >= bristle:
+            continue
+        found = CHANGED
+        lengths[1] = min(lengths[1], short)
+        lengths[2] = min(lengths[2], max(FIRM * bristle, promised * largest / pull))
+        node = anchor
+        stretch = 0.0
+        sense = 1.0 if outward else -1.0
+        while node != -1 and touches(I, M, node):
+            q = head.position + size * node
+            rest = head.rest + size * node
+            square = 0.0
+            for i in range(dimension, size):
+                square += M[q + i] ** 2
+            slope = math.sqrt(square)
+            for i in range(dimension):
+                along = M[q + dimension + i] / slope
+                M[rest + i] = M[q + i] - sense * stretch * along
+                M[rest + dimension + i] = along
+            before = node
+            node = next_along(I, before, outward)
+            element = node if outward else before
+            if node != -1 and I[head.joint + element] == JOINT_NONE:
+                edge = edge_of(I, M, element)
+                tension = M[head.tension + 2 * element]
+                stretch += edge.length * strain_in(M, edge, tension)[0]
+    return found
+
+
+@kernel
+def draw_alike(I, M, bristle):
+    """Bristles of another length [m], drawn by the same shares."""
+    head = header(I)
+    state = scalars(M)
+    longer = bristle / state.bristle
+    for n in range(2 * head.dimension * head.nodes):
+        place = M[head.position + n]
+        M[head.rest + n] = place - longer * (place - M[head.rest + n])
+    state.bristle = bristle
