@@ -72,7 +72,13 @@ def start_constants() -> dict[str, float]:
     is read of a system is placed, and looks ahead."""
     from cablemodel.solvers.finite_element.kernels.outputs import interface
     from cablemodel.solvers.finite_element.start import continuation as continuation
-    from cablemodel.solvers.finite_element.start import line_tables, refinement, scales, winch
+    from cablemodel.solvers.finite_element.start import (
+        firm_friction,
+        line_tables,
+        refinement,
+        scales,
+        winch,
+    )
     from cablemodel.systems import model
     from cablemodel_fmu import signals
 
@@ -90,6 +96,8 @@ def start_constants() -> dict[str, float]:
         "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
         "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
         "FEW_STEPS": continuation.FEW_STEPS,
+        "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
+        "DRAWINGS": firm_friction.DRAWINGS,
         "DRUM_ROOM": signals.ROOM,
         "SAME_PLACE": model.SAME_PLACE,
         "AHEAD": interface.RATE_AHEAD,

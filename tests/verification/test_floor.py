@@ -134,17 +134,16 @@ FRICTION_ENDS = {
 """Cable, depth [m], length that may hang and that lies [m]."""
 
 
-@pytest.mark.parametrize("angle", [0.0, 30.0])
-@pytest.mark.parametrize("friction", [0.3, 0.5])
-@pytest.mark.parametrize("kind", FRICTION_ENDS)
-def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angle):
-    """Cable that hardly stretches: its friction takes hold at once, as Coulomb's does, not over
-    0.02 tau L. At the start, and as long as nothing moves."""
+def lying_to_its_anchor(kind, friction, off=0.0, angle=0.0, speeds=()):
+    """Such a cable that lies to its anchor, from a vessel with these speeds away from it; and the
+    closed form where the vessel is `off` from its place."""
     cable_type, depth, hangs, lies = FRICTION_ENDS[kind]
     weight, _ = lay_angle(cable_type, 1.0)
     length, across = hangs + lies, 0.9 * np.sqrt(hangs**2 - depth**2) + lies
-    line = moored_catenary(across, depth, length, weight, cable_type["axial_stiffness"], friction)
     way = np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle)), 0.0])
+    vessel = {"position": [0, 0, depth]}
+    if speeds:
+        vessel["velocity"] = [{"t": t, "velocity": (-v * way).tolist()} for t, v in speeds]
     model = on_floor(
         [cable(length, "cable")],
         {"z": 0, "friction": friction},
@@ -152,10 +151,21 @@ def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angl
         None,
         {**cable_type, "submerged_weight": weight},
         end={"anchor": (across * way).tolist()},
-        vessel={"position": [0, 0, depth]},
+        vessel=vessel,
     )
-    s = np.linspace(0.0, length, 201)
-    tension = line.tension(length - s)
+    stiffness = cable_type["axial_stiffness"]
+    return model, moored_catenary(across + off, depth, length, weight, stiffness, friction)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+@pytest.mark.parametrize("friction", [0.3, 0.5])
+@pytest.mark.parametrize("kind", FRICTION_ENDS)
+def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angle):
+    """Cable that hardly stretches: its friction takes hold at once, as Coulomb's does, not over
+    0.02 tau L. At the start, and as long as nothing moves."""
+    model, line = lying_to_its_anchor(kind, friction, angle=angle)
+    s = np.linspace(0.0, model.line_length, 201)
+    tension = line.tension(model.line_length - s)
     assert tension[-1] < 0.1 * tension[0]
     promised = 10.0 * 1e-3 * tension[0]
     found = model.sample(s).tension
@@ -171,29 +181,14 @@ def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angl
 def test_an_anchor_hardly_feels_a_vessel_that_moves_off(kind, friction):
     """What slips ends where Coulomb's friction has taken up the change of tension. Friction that
     steps worked loose, or that crept on, pulled the anchor with 20 promises."""
-    cable_type, depth, hangs, lies = FRICTION_ENDS[kind]
-    weight, _ = lay_angle(cable_type, 1.0)
-    length, across = hangs + lies, 0.9 * np.sqrt(hangs**2 - depth**2) + lies
-    way = 0.04 * (across - lies)
-    line = moored_catenary(
-        across + way, depth, length, weight, cable_type["axial_stiffness"], friction
-    )
-    speeds = [(0.0, 0.0), (40.0, -way / 40.0), (80.0, 0.0), (200.0, 0.0)]
-    model = on_floor(
-        [cable(length, "cable")],
-        {"z": 0, "friction": friction},
-        1e-3,
-        None,
-        {**cable_type, "submerged_weight": weight},
-        end={"anchor": [across, 0.0, 0.0]},
-        vessel={
-            "position": [0, 0, depth],
-            "velocity": [{"t": t, "velocity": [v, 0.0, 0.0]} for t, v in speeds],
-        },
-    )
+    _, depth, hangs, _ = FRICTION_ENDS[kind]
+    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+    speeds = [(0.0, 0.0), (40.0, off / 40.0), (80.0, 0.0), (200.0, 0.0)]
+    model, line = lying_to_its_anchor(kind, friction, off, speeds=speeds)
     model.step_to(200.0)
-    tension = line.tension(length - np.linspace(0.0, length, 201))
-    found = model.sample(np.linspace(0.0, length, 201)).tension
+    s = np.linspace(0.0, model.line_length, 201)
+    tension = line.tension(model.line_length - s)
+    found = model.sample(s).tension
     promised = 10.0 * 1e-3 * tension[0]
     assert found[0] == pytest.approx(tension[0], abs=0.2 * promised)
     assert found == pytest.approx(tension, abs=9.0 * promised)

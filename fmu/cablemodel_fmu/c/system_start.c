@@ -13,8 +13,6 @@
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
-#define DRAWINGS 4                 /* as those of start/firm_friction.py */
-#define SHORTER_AT_ONCE 2.0
 #define SAME_VELOCITY 1e-9         /* as steady_velocity of cablemodel/systems/lines.py */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {

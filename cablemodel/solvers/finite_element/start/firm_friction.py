@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import FIRM, SHORTEST
+from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
 from cablemodel.solvers.finite_element.start import search
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -86,11 +86,13 @@ def lengths_for(block: Block, scene: Scene, promised: float) -> Lengths | None:
     """
     bristle = float(block.scalars.bristle)
     of_a_metre = _pull_of_a_metre(scene)
-    short = max((math.e * promised) ** 2 / of_a_metre, SHORTEST * float(block.scalars.length))
+    short = max(
+        (math.e * promised) ** 2 / of_a_metre, SHORTEST_BRISTLE * float(block.scalars.length)
+    )
     if short >= bristle:
         return None
     largest = float(np.abs(block.array(Header.tension, int(block.header.nodes), 2)[:, 0]).max())
-    for_steps = min(bristle, max(FIRM * bristle, promised * largest / of_a_metre))
+    for_steps = min(bristle, max(FIRM_BRISTLE * bristle, promised * largest / of_a_metre))
     return Lengths(bristle, short, for_steps)
 
 

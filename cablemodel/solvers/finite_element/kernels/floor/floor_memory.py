@@ -58,10 +58,10 @@ def share_of_element(I, M, node):
     points'; 0 where it does not touch."""
     head = header(I)
     state = scalars(M)
-    if I[head.joint + node] != 0:
-        return 0.0
     dimension = head.dimension
     q = M[head.position : head.position + 2 * dimension * head.nodes]
+    if I[head.joint + node] != 0 or lowest_gap(I, M, q, node) >= state.floor_depth:
+        return 0.0
     contact = contact_of()
     depth = state.floor_depth
     parent = I[head.parent + node]
@@ -115,12 +115,12 @@ def settle(I, M):
         for i in range(dimension):
             place[i] = q[size * node + i]
         gap = gap_at(I, M, place, contact.normal)
-        law, _stiffness, _energy = contact_law(gap, depth)
         bristle_at(I, M, node, contact, dimension)
-        limit = longest_kept(M) * law
-        own = share_within(contact.bristle, contact.normal, limit, dimension)
         held = 0.0
         if gap < depth:
+            law, _stiffness, _energy = contact_law(gap, depth)
+            limit = longest_kept(M) * law
+            own = share_within(contact.bristle, contact.normal, limit, dimension)
             held = max(own, above, beside)
             for i in range(dimension):
                 was[i] = M[rest + i]
@@ -129,8 +129,6 @@ def settle(I, M):
             if sunk > 0.0:
                 held *= math.exp(-FORGETS * sunk / depth)
         if held < 1.0:
-            bristle_at(I, M, node, contact, dimension)
-            along_floor(contact.bristle, contact.normal, dimension)
             for i in range(dimension):
                 M[rest + i] = place[i] - held * contact.bristle[i]
             for i in range(dimension):

@@ -5,11 +5,11 @@ of rest and the lengths of its bristles (start/firm_friction.py; the FMU's syste
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
-from cablemodel.solvers.finite_element.kernels.element.tables import FIRM, SHORTEST
+from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
-from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
-from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
+from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars
+from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     HELD_BY_ANCHOR,
@@ -35,16 +35,6 @@ def next_along(I, node, outward):
 
 
 @kernel
-def touches(I, M, node):
-    """Whether a node is within the contact layer."""
-    head = header(I)
-    size = 2 * head.dimension
-    at = head.position + size * node
-    gap = gap_at(I, M, M[at : at + head.dimension], vector())
-    return gap < scalars(M).floor_depth
-
-
-@kernel
 def lay_to_anchors(I, M, lengths):
     """Make places of rest of what lies to anchors those where it was laid, without tension, from
     the anchor on along its own way; what lies between two ends and rises nowhere stays free.
@@ -57,6 +47,7 @@ def lay_to_anchors(I, M, lengths):
     dimension = head.dimension
     size = 2 * dimension
     bristle = longest_bristle(M)
+    places = view(M, head.position, size * head.nodes)
     lengths[0] = lengths[1] = lengths[2] = bristle
     found = NOTHING
     for row in range(head.constraint_count):
@@ -67,7 +58,7 @@ def lay_to_anchors(I, M, lengths):
         outward = next_along(I, anchor, True) != -1
         # Past what lies, to the end of the line.
         node = anchor
-        hangs = not touches(I, M, anchor)
+        hangs = not near_floor(I, M, anchor, places)
         pull = largest = 0.0
         lies = 0
         while True:
@@ -75,7 +66,7 @@ def lay_to_anchors(I, M, lengths):
             node = next_along(I, before, outward)
             if node == -1:
                 break
-            hangs = hangs or not touches(I, M, node)
+            hangs = hangs or not near_floor(I, M, node, places)
             element = node if outward else before
             if I[head.joint + element] != JOINT_NONE:
                 continue
@@ -87,16 +78,16 @@ def lay_to_anchors(I, M, lengths):
         if not hangs or lies == 0 or pull == 0.0:
             continue
         promised = 10.0 * state.tolerance * largest
-        short = max((math.e * promised) ** 2 / pull, SHORTEST * state.length)
+        short = max((math.e * promised) ** 2 / pull, SHORTEST_BRISTLE * state.length)
         if short >= bristle:
             continue
         found = CHANGED
         lengths[1] = min(lengths[1], short)
-        lengths[2] = min(lengths[2], max(FIRM * bristle, promised * largest / pull))
+        lengths[2] = min(lengths[2], max(FIRM_BRISTLE * bristle, promised * largest / pull))
         node = anchor
         stretch = 0.0
         sense = 1.0 if outward else -1.0
-        while node != -1 and touches(I, M, node):
+        while node != -1 and near_floor(I, M, node, places):
             q = head.position + size * node
             rest = head.rest + size * node
             square = 0.0
