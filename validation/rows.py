@@ -53,6 +53,7 @@ MODULES = (
     "statics",
     "motions",
     "snaps",
+    "stops",
     "lays",
     "systems",
     "tank",

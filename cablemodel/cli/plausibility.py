@@ -42,8 +42,6 @@ _FASTEST = 20.0
 """Speeds [m/s] of ships and water that tow or carry a cable (39 knots)."""
 _FASTEST_WINCH = 10.0
 """Rates [m/s] of winches; a cable ship lays at up to 4, a linear winch runs at 6."""
-_MISSED = 0.4
-"""Part of waves along a line that runs miss: as much of those of 25 t on 1,200 m, stopped."""
 _THICKEST = 0.4
 """Diameters [m] of cables and hoses; the thickest power cable has 0.3."""
 _HEAVE = 2
@@ -269,13 +267,14 @@ def _fast_winch(what: str, table: Iterable[RatePoint]) -> list[str]:
 
 
 def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
-    """A winch that changes its rate so quickly that waves along an undamped line, taut by its load,
-    are more than tensions may be wrong by.
+    """A winch that changes its rate so quickly that of waves along an undamped line, taut by its
+    load, more is missed than tensions may be wrong by.
 
-    Of a uniform bar between winch and load, its first mode alone: a = dv/dt of the upper end for a
-    time T leaves a wave of 4 m L a / pi^2 |sin(w T / 2)| with w = pi c / L.
+    Of a uniform bar between winch and load: a = dv/dt of the upper end for a time T leaves a first
+    wave of at most 4 m L a / pi^2. Beyond the k-th are 1 / k of that.
     """
     from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
+    from cablemodel.solvers.finite_element.kernels.time.waves import OVERTONES
 
     load = scene.line[-1].body
     if load is None or load.submerged_weight < 0.5 * tension:
@@ -293,14 +292,13 @@ def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
         change, lasts = abs(after.rate - before.rate), after.t - before.t
         if change == 0.0 or after.t > scene.run.duration:
             continue
-        swing = abs(math.sin(0.5 * turn * lasts)) / lasts
-        wave = 4.0 / math.pi**2 * mass * change * swing
-        if _MISSED * wave > promised:
+        wave = 4.0 / math.pi**2 * mass * change / lasts
+        if wave > OVERTONES * promised:
             found.append(
                 f"payout.rate changes by {change:.3g} m/s within {lasts:.3g} s at {before.t:g} s: "
-                f"waves of about {wave / 1e3:.2g} kN then run along the line without an end, and "
-                f"are followed in part only; an axial_damping of {needed:.2g} N s, a loss of "
-                f"{100 * LOSS_FACTOR:g} %, ends them"
+                f"waves of up to {wave / 1e3:.2g} kN then run along the line without an end, and "
+                f"only the first {OVERTONES} are followed; an axial_damping of {needed:.2g} N s, "
+                f"a loss of {100 * LOSS_FACTOR:g} %, ends them"
             )
     return found
 

@@ -49,6 +49,7 @@ MISSED = {
     ("snaps", "tau 0.001, EI 0.01 of a bar", "highest, worst"),
     ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, median"),
     ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, worst"),
+    ("stops", "tau 0.0001", "worst"),
     ("cables", "80 m, touchdown that moves", "nearest touchdown"),
 }
 """What is not met, and is marked so: a row that joins them fails, and so does one that leaves."""

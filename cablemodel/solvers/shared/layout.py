@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 24
+VERSION = 25
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -130,7 +130,7 @@ class Header(Record):
     floor = integer("start of x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest")
     rest = integer("start of rest of the friction bristles: places, slopes (nodes, 2, d) [m, -]")
     cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
-    _spare_1 = spare(1)
+    axial_waves = integer("ends that are held below which waves run along that are followed")
     cell_layers = integer("start of the layers of water that have cells (Layer)")
     cells = integer("start of the cells of Gauss points and bodies, of CELL_WORDS")
     surge = integer("1 while the current changes in time, as of the last set_time")
@@ -495,6 +495,12 @@ class Constraint(Record):
     ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
     ring_sine = real("of its sine", "N")
     ring_share = real("what it may be missed by, over what the line next to it allows")
+    wave = real("tension of the first wave that runs along since then, 0: none is followed", "N")
+    wave_frequency = real("of that", "rad/s")
+    wave_since = real("when the window began in which it is measured", "s")
+    wave_seen = real("the largest in that window", "N")
+    wave_lasts = real("until it has died away, 0: not measured yet", "rad")
+    wave_element = real("the longest that an element may be, as the time of sound", "s")
     mode_frequency = real("of the first motion along itself of what hangs there", "rad/s")
     mode_mass = real("that moves with it when the node accelerates", "kg")
 

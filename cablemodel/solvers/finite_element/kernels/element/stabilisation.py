@@ -95,7 +95,10 @@ def strain_of_bend(I, M, node):
 
 @kernel
 def ringing_stiffness(I, M, edge):
-    """That with which an element's own frequency is above those of its line [N]."""
+    """That with which an element's own frequency is above those of its line [N]; where waves run
+    along it all that the cable has."""
+    if header(I).axial_waves != 0:
+        return 1.0 / edge.compliance
     part = min(edge.length / line_length(I, M, edge), 1.0)
     return part * part / edge.compliance
 
@@ -133,6 +136,8 @@ def stabilise(I, M):
 def rings_taut(I, M):
     """Whether something rings, and leaves its line taut: by less than the tension there."""
     head = header(I)
+    if head.axial_waves != 0:
+        return True
     if head.rings == 0:
         return False
     for n in range(head.constraint_count):

@@ -269,7 +269,9 @@ def end_rings(I, M):
     head = header(I)
     for n in range(head.constraint_count):
         constraint_of(I, M, n).ring = 0.0
+        constraint_of(I, M, n).wave = 0.0
     head.rings = 0
+    head.axial_waves = 0
 
 
 @kernel

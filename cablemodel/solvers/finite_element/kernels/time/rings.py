@@ -16,8 +16,6 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import follow_third_mode
 from cablemodel.solvers.finite_element.kernels.element.tables import (
-    GAMMA,
-    NUMERATOR,
     STAGE_A,
     STAGE_C,
     STAGES,
@@ -36,9 +34,21 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     STRAINED,
     allowed_at,
     dies_away,
+    gives_way,
     may_be_solved_for,
     region,
     solve_for_tension,
+)
+from cablemodel.solvers.finite_element.kernels.time.waves import (
+    MOST_LASTING,
+    begin_wave,
+    end_wave,
+    error_of_turn,
+    follow_wave,
+    is_root,
+    longest_wave_step,
+    may_miss_waves,
+    tree_of,
 )
 from cablemodel.solvers.shared.access import (
     body_of,
@@ -51,18 +61,12 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
-from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, JOINT_ROOT, WHOLLY
+from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, WHOLLY
 
-MOST_LASTING = 2000.0  # rad: longest that a ring is taken to last
 SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
+SHARE_OF_WAVES = 0.6  # the same of waves: with a ring's all that a step may miss
 LEFT_SLACK = 0.1  # of the pressure to which limp cable gives way: tension left by Newton's method
 ROUNDED = 1e-13  # strain that rounding may change
-
-
-@inlined
-def is_root(I, node):
-    """Whether a tree begins at that node."""
-    return node == 0 or I[header(I).joint + node] >= JOINT_ROOT
 
 
 @inlined
@@ -83,6 +87,12 @@ def ring_allowed(I, M, row):
     """What may be missed of a ring that is followed, for as long as it lasts, and then the rest
     [N]. What begins with no more than all that a step may miss is not."""
     return SHARE_OF_RINGS * allowed_of(I, M, row)
+
+
+@inlined
+def waves_allowed(I, M, row):
+    """What may be missed of waves at a constraint, of all together [N]."""
+    return SHARE_OF_WAVES * allowed_of(I, M, row)
 
 
 @kernel
@@ -149,12 +159,7 @@ def axial_mode(I, M, held):
     """
     head = header(I)
     nodes = head.nodes
-    root = held
-    while not is_root(I, root):
-        root = I[head.parent + root]
-    end = root + 1
-    while end < nodes and not is_root(I, end):
-        end += 1
+    root, end = tree_of(I, held)
     s = region(I, SOFTNESS)  # displacement of each node, by a unit of gravity
     own = s + nodes  # mass at each node
     beyond = own + nodes  # and what hangs below it
@@ -265,6 +270,7 @@ def begin_rings(I, M, dt):
             state.heard = allowed / moved
             state.heard_most = taut / moved
             state.heard_frequency = frequency
+        begin_wave(I, M, row, jump, taut, SHARE_OF_WAVES * allowed)
         of_jerk = moved * jerk / frequency
         if of_jerk > taut:
             of_jerk = 0.0
@@ -291,6 +297,7 @@ def begin_rings(I, M, dt):
         row.ring_lasts = 0.0
         row.ring = made + of_jerk
         begin_window(I, M, row, state.time, M[head.tension + 2 * top])
+    if head.rings + head.axial_waves != 0:
         follow_third_mode(I, M, 0.0)
     state.modes_known = 1.0
 
@@ -325,10 +332,17 @@ def follow_rings(I, M, dt, scheme):
     """
     head = header(I)
     state = scalars(M)
-    if head.rings == 0:
+    if head.rings + head.axial_waves == 0:
         return
+    end_here = False
+    if head.axial_waves != 0:
+        end_here = gives_way(I, M, view(M, head.trial_tension, 2 * head.nodes))
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
+        if end_here:
+            end_wave(I, row)
+        if row.wave > 0.0:
+            follow_wave(I, M, row, dt, waves_allowed(I, M, row))
         if row.ring == 0.0:
             continue
         top = watched_element(I, row)
@@ -355,29 +369,14 @@ def follow_rings(I, M, dt, scheme):
 
 
 @kernel
-def error_of_ring(scheme, angle):
-    """By how much a step in which a ring turns by that angle [rad] misses it, of its amplitude:
-    by how much the scheme's stability function R(i angle) differs from exp(i angle)."""
-    real, imaginary = 0.0, 0.0
-    for n in range(STAGES[scheme]):
-        # Horner's rule in i angle, from the highest power.
-        real, imaginary = NUMERATOR[scheme, n] - angle * imaginary, angle * real
-    turn = GAMMA[scheme] * angle
-    poles = STAGES[scheme] - 1
-    size = (1.0 + turn * turn) ** (-0.5 * poles)
-    behind = angle - poles * math.atan(turn)
-    return math.hypot(size * real - math.cos(behind), size * imaginary - math.sin(behind))
-
-
-@kernel
 def missed_of_ring(amplitude, lasts, scheme, angle):
     """What a step in which a ring of that amplitude [tolerances] turns by that angle misses of it,
     over what it may add [-].
 
     That is a share of the tolerance, as the ring lasts [rad]; 0: not known yet, then as a cable's
-    material has it. By the two-step scheme, -1, it misses a third of the angle's cube.
+    material has it.
     """
-    missed = angle * angle * angle / 3.0 if scheme < 0 else error_of_ring(scheme, angle)
+    missed = error_of_turn(scheme, angle)
     if lasts == 0.0:
         lasts = 2.0 / LOSS_FACTOR
     return amplitude * missed * max(lasts / angle, 1.0)
@@ -390,7 +389,7 @@ def left_of_rings(I, M, dt):
     least = math.inf
     if scalars(M).yields > 0.0:
         least = LEFT_SLACK * scalars(M).yields
-    if head.rings == 0:
+    if head.rings + head.axial_waves == 0:
         return least
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
@@ -399,6 +398,10 @@ def left_of_rings(I, M, dt):
             lasts = row.ring_lasts if row.ring_lasts > 0.0 else 2.0 / LOSS_FACTOR
             share = ring_allowed(I, M, row) * row.ring_frequency * dt / lasts
             least = min(least, max(share, ROUNDED / edge_of(I, M, top).compliance))
+        if row.wave > 0.0:
+            top = watched_element(I, row)
+            share = waves_allowed(I, M, row) * row.wave_frequency * dt / MOST_LASTING
+            least = min(least, max(share, ROUNDED / edge_of(I, M, top).compliance))
     return least
 
 
@@ -406,10 +409,12 @@ def left_of_rings(I, M, dt):
 def may_miss_rings(I, M, dt, scheme):
     """Whether a step of dt may miss what it does of what rings."""
     head = header(I)
-    if head.rings == 0:
+    if head.rings + head.axial_waves == 0:
         return True
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
+        if not may_miss_waves(I, M, row, dt, scheme, waves_allowed(I, M, row)):
+            return False
         if row.ring > 0.0:
             amplitude = row.ring / ring_allowed(I, M, row)
             angle = row.ring_frequency * dt
@@ -423,10 +428,12 @@ def longest_ring_step(I, M, dt, scheme):
     """A step of at most dt that follows what rings: a whole part of a turn, so that it changes
     seldom. What it misses goes with the angle to the power of the scheme's order."""
     head = header(I)
-    if head.rings == 0:
+    if head.rings + head.axial_waves == 0:
         return dt
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
+        if row.wave > 0.0:
+            dt = longest_wave_step(I, M, row, dt, scheme, waves_allowed(I, M, row))
         if row.ring == 0.0:
             continue
         amplitude = row.ring / ring_allowed(I, M, row)

@@ -632,7 +632,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             return min(TENSION_STAYS, missed), FOLLOWS
         return missed, MISSES if missed > 1.0 else PASSES_OVER
     unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
-    if share > STIFF or unseen > SOLVED_FROM or head.rings != 0:
+    if share > STIFF or unseen > SOLVED_FROM or head.rings + head.axial_waves != 0:
         return max(lasting, forgotten), FOLLOWS
     settled = head.settled != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):

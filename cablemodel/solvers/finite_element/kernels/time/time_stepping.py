@@ -85,6 +85,7 @@ from cablemodel.solvers.finite_element.kernels.time.two_step import (
     try_two_step,
     two_step_gamma,
 )
+from cablemodel.solvers.finite_element.kernels.time.waves import follow_with_mesh
 from cablemodel.solvers.shared.access import edge_of, header, scalars
 from cablemodel.solvers.shared.compile import inlined, kernel, own_record, view
 from cablemodel.solvers.shared.environment import find_piece
@@ -182,6 +183,8 @@ def change_mesh(I, M, rests):
     if rests:
         first = place_to_sleep(I, M)
         prepare_joining(I, M, first)
+    if head.axial_waves != 0 and follow_with_mesh(I, M, True) == NO_CAPACITY:
+        return NO_CAPACITY
     found = NOTHING
     if head.floor_state != FLOOR_FAR:
         found = follow_floor(I, M, True, first)
@@ -272,6 +275,7 @@ def change_what_is_due(I, M):
         or (head.payout != 0 and anything_passes(I, M))
         or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False, 0) != NOTHING)
         or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
+        or (head.axial_waves != 0 and follow_with_mesh(I, M, False) != NOTHING)
     ):
         return change_mesh(I, M, rests)
     return OK
@@ -312,7 +316,7 @@ def plan_step(I, M, plan):
     # Steps that the caller limits need no high order: three stages instead of five. But from
     # those three nobody can tell the error of the tension of a line that is too stiff for them:
     # of one that is followed as it rings they can, and order 3 damps what is quicker.
-    if head.rings != 0:
+    if head.rings + head.axial_waves != 0:
         high = dt == natural or not may_miss_rings(I, M, dt, 0)
     else:
         high = dt > 0.25 * natural or head.settled != 0
