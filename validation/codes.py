@@ -1,7 +1,4 @@
-"""Other open programs: MoorPy and MoorDyn, run beside this one; WHOI Cable, whose run is stored.
-
-The first two are installed by the extra `bench`.
-"""
+"""Other open programs, run beside this one: MoorPy and MoorDyn, of the extra `bench`."""
 
 from __future__ import annotations
 
@@ -11,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-import cablemodel as cm
 from validation import draw, industry
-from validation.rows import DATA, Row, family, relative
+from validation.rows import Row, family, relative
 
 GRAVITY, DENSITY = 9.80665, 1025.0
 
@@ -153,65 +149,3 @@ def _moordyn(name: str, one: Any) -> list[Row]:
         Row("programs", case, "MoorDyn 2.7", "heave of 2 m, rms of range",
             100.0 * rms / float(np.ptp(other[late])), 5.0, "%"),
     ]  # fmt: skip
-
-
-# WHOI Cable --------------------------------------------------------------------------------------
-
-
-@family("whoi", "Other programs: WHOI Cable's published tow in a circle")
-def whoi() -> tuple[list[Row], Any]:
-    """A sled on 1 km of cable, let go from a catenary: straight at 6 knots, a circle, straight."""
-    with (DATA / "whoi_cable.csv").open() as file:
-        table = [line.strip().split(",") for line in file if not line.startswith("#")][1:]
-    start = np.array([list(map(float, row[1:])) for row in table if row[0] == "shape"])[::-1]
-    series = np.array([list(map(float, row[1:])) for row in table if row[0] == "run"])
-    speed, rate = 6.0 * 0.514, 2.0 * np.pi / 600.0
-    ship = [(0.0, 0.0, 0.0), (1.0, speed, 0.0), (200.0, speed, 0.0)]
-    for t in np.arange(205.0, 801.0, 5.0):
-        turned = rate * (t - 200.0)
-        ship.append((float(t), float(speed * np.cos(turned)), float(speed * np.sin(turned))))
-    cable = {
-        "diameter": 0.0173,
-        "mass": 1.12,
-        "submerged_weight": 8.89,
-        "axial_stiffness": 1.2717e7,
-        "bending_stiffness": 237.88,
-        "drag_normal": 1.5,
-        "drag_tangential": 0.01,
-        "added_mass": 0.24 / (DENSITY * np.pi / 4.0 * 0.0173**2),
-    }
-    sled = {
-        "mass": 1135,
-        "submerged_weight": 1135 * 9.81 - 4448,
-        "added_mass": 0.5 * DENSITY * np.pi / 6.0 * 0.736**3,
-        "added_mass_axial": 0.5 * DENSITY * np.pi / 6.0 * 0.736**3,
-        "drag_area": np.pi / 4.0 * 0.736**2,
-        "drag_coefficient": 0.77,
-    }
-    points = [[float(x), 0.0, float(z)] for _, x, z in start]
-    scene = {
-        "environment": {"gravity": 9.81},
-        "cable_types": {"cable": cable},
-        "line": [{"cable": {"type": "cable", "length": 1000}}, {"body": sled}],
-        "initial": {"points": points, "velocities": "rest"},
-        "vessel": {"velocity": [{"t": t, "velocity": [u, v, 0.0]} for t, u, v in ship]},
-    }
-    model, found = cm.CableModel(cm.load_scene(scene)), []
-    for t, _, _ in series:
-        model.step_to(float(t))
-        found.append((-model.tip_position[2], model.top_tension))
-    ours, late = np.array(found), series[:, 0] >= 100.0
-    figure, grid = draw.axes(2)
-    rows = []
-    for k, (name, unit, one) in enumerate(
-        zip(("depth of the sled", "tension at the ship"), ("[m]", "[N]"), grid, strict=True)
-    ):
-        theirs = series[:, k + 1]
-        off = 100.0 * float(np.sqrt(np.mean((ours[late, k] / theirs[late] - 1.0) ** 2)))
-        rows.append(
-            Row("whoi", "tow3d, from 100 s", "WHOI Cable 2.0", f"{name}, rms", off, 1.5, "%")
-        )
-        one.plot(series[:, 0], theirs, color=draw.REFERENCE, label="WHOI Cable")
-        one.plot(series[:, 0], ours[:, k], color=draw.FOUND, label="cablemodel")
-        draw.label(one, "time [s]", f"{name} {unit}")
-    return rows, figure

@@ -58,6 +58,7 @@ MODULES = (
     "tank",
     "published",
     "codes",
+    "whoi",
     "industry",
 )
 """Where families are defined, in the order of the page."""
@@ -124,7 +125,7 @@ def tables() -> str:
     """What the page shows: a table and a picture for each family.
 
     Cells have no blanks about them: every one would count as a word of the documentation. Case and
-    reference are those above where a row does not name them.
+    reference are those above where a row does not name them; limits have the result's unit.
     """
     rows, parts = read(), []
     for one in families().values():
@@ -136,7 +137,7 @@ def tables() -> str:
         above = ("", "")
         for row in mine:
             unit = f" {row.unit}" if row.unit else ""
-            limit = f"{row.limit:.3g}{unit}" + ("" if row.met else ", **not met**")
+            limit = f"{row.limit:.3g}" + ("" if row.met else ", **not met**")
             about = (row.case, row.reference)
             named = ("", "") if about == above else about
             above = about

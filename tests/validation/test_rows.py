@@ -17,6 +17,7 @@ QUICK = (
     "lazywave",
     "chains",
     "junction",
+    "whoi",
 )
 
 
