@@ -1,9 +1,9 @@
 """WHOI Cable (J. Gobat, M. Grosenbaugh, GPL-3) on the examples that it is published with.
 
 `data/whoi`: what it found. Of the mine (mine.cbl) its manual prints a table, in lb; others are what
-its version 3.12 makes of horiz.cbl, Stratus2.cbl, deep_s.cbl and tow3d.cbl as they are: arc length
-from the anchor or the branch, x, z [m], tension [N]. Tops of moorings are held where it found them.
-Of two lists of attachments in a segment it takes the last.
+its version 3.12 makes of horiz.cbl, Stratus2.cbl, deep_s.cbl, tow3d.cbl and breaking.cbl as they
+are: arc length from the anchor or the branch, x, z [m], tension [N]. Tops of moorings are held
+where it found them. Of two lists of attachments in a segment it takes the last.
 
 Left out are decks that this version refuses (pay-out), or does not solve (lazy wave, loops); random
 seas, whose phases are its own; and the mine in waves, in steps of first order.
@@ -34,14 +34,14 @@ MOORINGS = {
 
 @family("whoi", "Other programs: WHOI Cable's published examples")
 def whoi() -> tuple[list[Row], Any]:
-    """Moorings at rest in a current, and a tow."""
-    figure, (left, middle, right) = draw.axes(3, width=12.0)
+    """Moorings at rest in a current; a tow; a tow whose cable parts."""
+    figure, (left, parted, middle, right) = draw.axes(4, width=15.0)
     rows = [
         row for name in MOORINGS for row in _mooring(name, middle if name == "array" else right)
     ]
     draw.label(middle, "x [m]", "z [m]", "horizontal array")
     draw.label(right, "x [m]", "z [m]", "moorings")
-    return rows + _tow(left), figure
+    return rows + _tow(left) + _breaking(parted), figure
 
 
 def _mooring(name: str, one: Any) -> list[Row]:
@@ -125,4 +125,71 @@ def _tow(one: Any) -> list[Row]:
     one.plot(series[:, 0], series[:, 2], color=draw.REFERENCE, label="WHOI Cable")
     one.plot(series[:, 0], ours[:, 1], color=draw.FOUND, label="cablemodel")
     draw.label(one, "time [s]", "tension at the ship [N]", "tow3d")
+    return rows
+
+
+def _breaking(one: Any) -> list[Row]:
+    """A steady tow, whose cable parts at the ship after 100 s.
+
+    The body sinks faster than the cable, whose lower part folds: from then on its upper end goes
+    another way at each tolerance, and with each time step of the other program.
+    """
+    moment, depth, end_x, end_z = np.array(
+        [[float(value) for value in row.values()] for row in read_rows(FOLDER / "breaking.csv")]
+    ).T
+    added = 0.5 * 1000.0 * np.pi / 6.0
+    body = {
+        "mass": 500,
+        "submerged_weight": 500,
+        "added_mass": added,
+        "added_mass_axial": added,
+        "drag_area": np.pi / 4.0,
+        "drag_coefficient": 2.0,
+    }
+    cable = {
+        "diameter": 0.0131,
+        "mass": 0.3,
+        "submerged_weight": 2.0,
+        "axial_stiffness": 1.5e6,
+        "bending_stiffness": 10.0,
+        "drag_normal": 1.0,
+        "drag_tangential": 0.005,
+    }
+    items = [{"cable": {"type": "tow", "length": 1000}}, {"body": body}]
+    scene = {
+        "environment": {"gravity": 10.0, "water_density": 1000.0},
+        "cable_types": {"tow": cable},
+        "vessels": {"ship": {"points": {"stern": [0, 0, 0]}, "velocity": [0.5, 0, 0]}},
+        "lines": {"tow": {"from": "ship.stern", "to": "free", "items": items}},
+        "cuts": {"part": {"line": "tow", "at": "start", "time": 100.0}},
+        "solver": {"tolerance": 1e-4},
+    }
+    model = cm.SystemModel(scene)
+    line, name, reference = model.lines["tow"], "tow at 0.5 m/s", "WHOI Cable 3.12"
+    off = float(np.hypot(*(line.sample([1000.0]).position[0, ::2] - (-511.4784, -859.0651))))
+    rows = [
+        Row("whoi", name, reference, "position of the body", off, 0.1, "m"),
+        Row("whoi", name, reference, "tension at the ship", relative(line.start_tension, 2260.4656),
+            0.1, "%"),
+        Row("whoi", name, reference, "tension at the body", relative(line.end_tension, 537.1714),
+            0.1, "%"),
+    ]  # fmt: skip
+    found = []
+    for t in moment:
+        model.step_to(float(t))
+        found.append(line.sample([0.0, 1000.0]).position[:, ::2].ravel())
+    ours = np.array(found)
+    fallen = 100.0 * float(np.sqrt(np.mean((ours[:, 3] - depth) ** 2))) / float(np.ptp(depth))
+    early = int(np.flatnonzero(moment == 120.0)[0])
+    gone = np.hypot(end_x[early] - 50.0, end_z[early])
+    astray = 100.0 * float(np.hypot(ours[early, 0] - end_x[early], ours[early, 1] - end_z[early]))
+    name = "its cable parts"
+    rows += [
+        Row("whoi", name, reference, "fall of the body in 100 s, rms", fallen, 1.5, "%"),
+        Row("whoi", name, reference, "upper end in 20 s, of its way", astray / gone, 5.0, "%"),
+    ]
+    for k, theirs in ((1, end_z), (3, depth)):
+        one.plot(moment, theirs, color=draw.REFERENCE)
+        one.plot(moment, ours[:, k], color=draw.FOUND)
+    draw.label(one, "time [s]", "z of the body and the upper end [m]", "breaking")
     return rows
