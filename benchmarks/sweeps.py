@@ -16,7 +16,7 @@ from benchmarks.sections import write_rows
 
 SCENE = Path("scenes/towed_cable.yaml")
 STORED = Path("docs/benchmarks/sweeps.csv")
-CASES = ((1_000, 1), (1_000, 2), (10_000, 1), (10_000, 2))
+CASES = ((1_000, 1), (1_000, 2), (10_000, 2))
 """Runs and workers."""
 UNTIL = 10.0
 
