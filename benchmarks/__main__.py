@@ -85,7 +85,7 @@ def main(given: Sequence[str] | None = None) -> None:
             loads = {ran: then for ran, then in loads.items() if not ran.startswith(f"{part} of ")}
             loads[part] = load
     if some:
-        described = stored.get("machine", described)
+        described |= stored.get("machine", {})  # but for packages that are new
 
     fresh: list[Measurement] = []
     for part in work_precision.PARTS:

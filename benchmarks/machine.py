@@ -8,7 +8,17 @@ import platform
 import subprocess
 from pathlib import Path
 
-PACKAGES = ("numpy", "numba", "scipy", "moordyn", "cabledyn", "exudyn", "mujoco")
+PACKAGES = (
+    "numpy",
+    "numba",
+    "scipy",
+    "moordyn",
+    "cabledyn",
+    "exudyn",
+    "mujoco",
+    "newton",
+    "warp-lang",
+)
 
 
 def _processor() -> str:

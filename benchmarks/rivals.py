@@ -119,6 +119,33 @@ def mujoco_contestants(scene: str, quick: bool = False) -> list[Contestant]:
     ]
 
 
+def newton_contestants(scene: str, quick: bool = False) -> list[Contestant]:
+    """Newton: capsules, time step and sweeps.
+
+    Shorter steps and more sweeps err by more, by single precision; without fast arithmetic, with
+    the older penalty scheme, or without what is kept of the step before, errors were the same.
+    """
+    from benchmarks.peers.newton import NewtonRunner, Settings
+
+    if scene != "S2v":
+        return []
+    counts = (20,) if quick else (6, 10, 20, 40)
+    return [
+        _contestant("Newton VBD", f"N={n} dt={dt:g} sweeps={k}", NewtonRunner, Settings(n, dt, k))
+        for n in counts
+        for dt, k in (
+            (0.005, 10),
+            (0.0025, 5),
+            (0.0025, 10),
+            (0.0025, 40),
+            (0.00125, 5),
+            (0.00125, 10),
+            (0.00125, 40),
+            (0.00025, 40),
+        )
+    ]
+
+
 def _contestant(
     name: str,
     setting: str,
@@ -136,5 +163,6 @@ PEERS: dict[str, Callable[[str, bool], list[Contestant]]] = {
     "cabledyn": cabledyn_contestants,
     "exudyn": exudyn_contestants,
     "mujoco": mujoco_contestants,
+    "newton": newton_contestants,
 }
 """Contestants of each peer by scene; the second argument asks for few."""

@@ -1,12 +1,13 @@
-"""How work and memory grow: with elements, length of cable, steps, and instances in one process.
+"""How work and memory grow: with elements, length of cable, steps, instances, lines of a system.
 
-Every series is the tow S1 (elastica, tau = 1e-3), one thing varied. ``python -m benchmarks --parts
-scaling`` measures and draws them.
+Every series is the tow S1 (elastica, tau = 1e-3), one thing varied; a buoy's legs are of its cable.
+``python -m benchmarks --parts scaling`` measures and draws them.
 """
 
 from __future__ import annotations
 
 import copy
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -130,6 +131,64 @@ def _instances(size: float) -> ScalingPoint:
     return ScalingPoint("instances", size, elements, cost, build, 200.0 * size, memory)
 
 
+def _system(name: str, size: float, parts: dict[str, Any]) -> ScalingPoint:
+    """The first ten seconds of a system in one call; the least of three runs."""
+    import cablemodel as cm
+
+    scene = cablemodel_scene(SCENES["S1"], 1e-3, "elastica")
+    shared = {key: scene[key] for key in ("environment", "cable_types", "solver") if key in scene}
+    lines = {name: {**ends, "items": scene["line"]} for name, ends in parts.pop("lines").items()}
+    began = time.process_time()
+    model = cm.SystemModel({**shared, **parts, "lines": lines})
+    build = time.process_time() - began
+    start, costs = model.snapshot(), []
+    for _ in range(3):
+        model.restore(start)
+        before, began = model.statistics["steps"], time.process_time()
+        model.step(SIMULATED)
+        costs.append(time.process_time() - began)
+    counts, memory = model.statistics, model.built.block.ints.nbytes
+    steps = counts["steps"] - before
+    return ScalingPoint(name, size, counts["elements"], min(costs), build, steps, memory)
+
+
+def _lines_of_a_vessel(size: float) -> ScalingPoint:
+    """That many lines, towed beside each other by one vessel."""
+    vessel = {
+        "points": {f"p{k}": [0.0, 5.0 * k, 0.0] for k in range(int(size))},
+        "velocity": cablemodel_scene(SCENES["S1"], 1e-3)["vessel"]["velocity"],
+    }
+    lines = {f"line{k}": {"from": f"ship.p{k}", "to": "free"} for k in range(int(size))}
+    return _system("lines of a vessel", size, {"vessels": {"ship": vessel}, "lines": lines})
+
+
+def _legs_of_a_buoy(size: float) -> ScalingPoint:
+    """A buoy that as many legs hold, each with 500 N, as a current comes up to S1's speed."""
+    count = int(size)
+    turns = [2.0 * math.pi * k / count for k in range(count)]
+    buoy = {
+        "position": [0.0, 0.0, -5.0],
+        "mass": 100.0 * count,
+        "submerged_weight": -500.0 * count,
+        "inertia": [30.0 * count] * 3,
+        "drag_area": [0.1 * count] * 3,
+        "points": {f"p{k}": [math.cos(a), math.sin(a), 0.0] for k, a in enumerate(turns)},
+    }
+    legs = {
+        f"leg{k}": {
+            "from": {"anchor": [20.0 * math.cos(a), 20.0 * math.sin(a), -26.0]},
+            "to": f"buoy.p{k}",
+        }
+        for k, a in enumerate(turns)
+    }
+    rise = [
+        {"t": 0.0, "z": 0.0, "velocity": [0.0] * 3},
+        {"t": 30.0, "z": 0.0, "velocity": [0.8, 0.0, 0.0]},
+    ]
+    parts = {"environment": {"current": {"table": rise}}, "bodies": {"buoy": buoy}, "lines": legs}
+    return _system("legs of a buoy", size, parts)
+
+
 SERIES = (
     Series(
         "elements of a 30 m line",
@@ -149,6 +208,8 @@ SERIES = (
     ),
     Series("steps of 10 ms", "steps", (100, 1000, 10_000, 100_000), _steps, 1000),
     Series("instances", "instances", (1, 10, 100, 1000), _instances, 1),
+    Series("lines of a vessel", "lines", (1, 3, 10, 30, 100, 300, 1000), _lines_of_a_vessel, 10),
+    Series("legs of a buoy", "legs", (3, 10, 30, 100, 300, 1000), _legs_of_a_buoy, 10),
 )
 
 
@@ -176,8 +237,10 @@ def scaling_figure(points: Sequence[ScalingPoint], path: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    canvas, axes = pyplot.subplots(1, len(SERIES), figsize=(15.0, 3.4), layout="constrained")
-    for panel, series in zip(axes, SERIES, strict=True):
+    canvas, axes = pyplot.subplots(2, 4, figsize=(13.0, 6.4), layout="constrained")
+    for panel in axes.flat[len(SERIES) :]:
+        panel.set_axis_off()
+    for panel, series in zip(axes.flat, SERIES, strict=False):
         mine = [p for p in points if p.series == series.name]
         if not mine:
             continue
@@ -190,7 +253,8 @@ def scaling_figure(points: Sequence[ScalingPoint], path: Path) -> None:
         panel.set_xlabel(series.varied)
         panel.grid(True, which="major", linewidth=0.4)
         panel.legend(fontsize=8)
-    axes[0].set_ylabel("CPU seconds of stepping")
+    for first in axes[:, 0]:
+        first.set_ylabel("CPU seconds of stepping")
     path.parent.mkdir(parents=True, exist_ok=True)
     canvas.savefig(path, dpi=110)
     pyplot.close(canvas)

@@ -1,10 +1,8 @@
-"""Other open programs: MoorPy and MoorDyn, run beside this one; WHOI Cable, whose run is stored.
-
-The first two are installed by the extra `bench`.
-"""
+"""Other open programs, run beside this one: MoorPy and MoorDyn, of the extra `bench`."""
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,8 @@ from typing import Any
 import numpy as np
 
 import cablemodel as cm
+from benchmarks.peers.moordyn import silence
+from benchmarks.sections import read_rows
 from validation import draw, industry
 from validation.rows import DATA, Row, family, relative
 
@@ -20,11 +20,12 @@ GRAVITY, DENSITY = 9.80665, 1025.0
 
 @family("programs", "Other programs: MoorPy and MoorDyn")
 def programs() -> tuple[list[Row], Any]:
-    """Moorings at rest by MoorPy; chains at rest and in heave by MoorDyn."""
+    """Moorings at rest by MoorPy; chains, at rest and in heave, and a polyester by MoorDyn."""
     rows, (figure, (left, right)) = [], draw.axes(2)
     rows += _moorpy(left)
     for name in ("WD0050", "WD0200"):
         rows += _moordyn(name, right if name == "WD0200" else None)
+    rows.append(_polyester())
     draw.label(left, "MoorPy [kN]", "cablemodel [kN]")
     draw.label(right, "time [s]", "fairlead [kN]", "WD0200, heave of 2 m")
     return rows, figure
@@ -98,8 +99,6 @@ def _moordyn(name: str, one: Any) -> list[Row]:
     """A chain from its relaxed start, then 30 s of heave of 2 m in 10 s that come up in 10 s."""
     import moordyn
 
-    from benchmarks.peers.moordyn import _silence
-
     across, depth, length = industry.DEPTHS[name]
     segments = round(length / 5.0)
     step = 0.5 * length / segments / np.sqrt(industry.CHAIN["axial_stiffness"] / 390.0)
@@ -123,7 +122,7 @@ def _moordyn(name: str, one: Any) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "line.txt"
         path.write_text(deck)
-        with _silence():
+        with silence():
             system = moordyn.Create(str(path))
             moordyn.SetVerbosity(system, moordyn.LEVEL_NONE)
             moordyn.Init(system, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
@@ -155,63 +154,75 @@ def _moordyn(name: str, one: Any) -> list[Row]:
     ]  # fmt: skip
 
 
-# WHOI Cable --------------------------------------------------------------------------------------
+TAUT = """MoorDyn input file
+---------------------- LINE TYPES ----------------------
+TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
+(name) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+poly 0.203 40 curve.dat 1e5 0 1.6 1.0 0.0 0.0
+---------------------- POINTS ----------------------
+ID Type X Y Z Mass Volume CdA Ca
+(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 Fixed 0 0 -372.192 0 0 0 0
+2 Coupled {across} 0 -18 0 0 0 0
+---------------------- LINES ----------------------
+ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
+(#) (name) (ID) (ID) (m) (-) (-)
+1 poly 1 2 1400 40 -
+---------------------- OPTIONS ----------------------
+0 writeLog
+1 disableOutput
+RK2 tScheme
+9.80665 g
+1025 rho
+372.3 WtrDpth
+0.002 dtM
+1.0 dtIC
+300 TmaxIC
+1e-7 threshIC
+---------------------- OUTPUTS ----------------------
+FairTen1
+---------------------- need this line ----------------------
+"""
 
 
-@family("whoi", "Other programs: WHOI Cable's published tow in a circle")
-def whoi() -> tuple[list[Row], Any]:
-    """A sled on 1 km of cable, let go from a catenary: straight at 6 knots, a circle, straight."""
-    with (DATA / "whoi_cable.csv").open() as file:
-        table = [line.strip().split(",") for line in file if not line.startswith("#")][1:]
-    start = np.array([list(map(float, row[1:])) for row in table if row[0] == "shape"])[::-1]
-    series = np.array([list(map(float, row[1:])) for row in table if row[0] == "run"])
-    speed, rate = 6.0 * 0.514, 2.0 * np.pi / 600.0
-    ship = [(0.0, 0.0, 0.0), (1.0, speed, 0.0), (200.0, speed, 0.0)]
-    for t in np.arange(205.0, 801.0, 5.0):
-        turned = rate * (t - 200.0)
-        ship.append((float(t), float(speed * np.cos(turned)), float(speed * np.sin(turned))))
-    cable = {
-        "diameter": 0.0173,
-        "mass": 1.12,
-        "submerged_weight": 8.89,
-        "axial_stiffness": 1.2717e7,
-        "bending_stiffness": 237.88,
-        "drag_normal": 1.5,
-        "drag_tangential": 0.01,
-        "added_mass": 0.24 / (DENSITY * np.pi / 4.0 * 0.0173**2),
+def _polyester() -> Row:
+    """1.4 km of polyester, taut at five distances, by the curve that MoorDyn has for Syrope's rope.
+
+    MoorDyn goes by its table; ours is a polynomial of degree eight, 5e-5 of strain off.
+    """
+    import moordyn
+
+    table = read_rows(DATA / "syrope_polyester.csv")
+    strain, tension = (np.array([float(row[k]) for row in table]) for k in ("strain", "tension"))
+    powers = np.arange(1, 9)
+    share = (tension / tension[-1])[:, None] ** powers
+    curve = np.linalg.lstsq(share, strain, rcond=None)[0] / tension[-1] ** powers
+    rope = {
+        "diameter": 0.203,
+        "mass": 40.0,
+        "tension_strain": curve.tolist(),
+        "drag_normal": 1.6,
+        "drag_tangential": 0.0,
+        "added_mass": 1.0,
     }
-    sled = {
-        "mass": 1135,
-        "submerged_weight": 1135 * 9.81 - 4448,
-        "added_mass": 0.5 * DENSITY * np.pi / 6.0 * 0.736**3,
-        "added_mass_axial": 0.5 * DENSITY * np.pi / 6.0 * 0.736**3,
-        "drag_area": np.pi / 4.0 * 0.736**2,
-        "drag_coefficient": 0.77,
-    }
-    points = [[float(x), 0.0, float(z)] for _, x, z in start]
-    scene = {
-        "environment": {"gravity": 9.81},
-        "cable_types": {"cable": cable},
-        "line": [{"cable": {"type": "cable", "length": 1000}}, {"body": sled}],
-        "initial": {"points": points, "velocities": "rest"},
-        "vessel": {"velocity": [{"t": t, "velocity": [u, v, 0.0]} for t, u, v in ship]},
-    }
-    model, found = cm.CableModel(cm.load_scene(scene)), []
-    for t, _, _ in series:
-        model.step_to(float(t))
-        found.append((-model.tip_position[2], model.top_tension))
-    ours, late = np.array(found), series[:, 0] >= 100.0
-    figure, grid = draw.axes(2)
-    rows = []
-    for k, (name, unit, one) in enumerate(
-        zip(("depth of the sled", "tension at the ship"), ("[m]", "[N]"), grid, strict=True)
-    ):
-        theirs = series[:, k + 1]
-        off = 100.0 * float(np.sqrt(np.mean((ours[late, k] / theirs[late] - 1.0) ** 2)))
-        rows.append(
-            Row("whoi", "tow3d, from 100 s", "WHOI Cable 2.0", f"{name}, rms", off, 1.5, "%")
-        )
-        one.plot(series[:, 0], theirs, color=draw.REFERENCE, label="WHOI Cable")
-        one.plot(series[:, 0], ours[:, k], color=draw.FOUND, label="cablemodel")
-        draw.label(one, "time [s]", f"{name} {unit}")
-    return rows, figure
+    off = 0.0
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        points = "\n".join(f"{e} {t}" for e, t in zip(strain, tension, strict=True))
+        Path("curve.dat").write_text(f"Strain Tension\n(-) (N)\n{points}")
+        for across in (1365.0, 1380.0, 1400.0, 1420.0, 1435.0):
+            Path("line.txt").write_text(TAUT.format(across=across))
+            with silence():
+                system = moordyn.Create("line.txt")
+                moordyn.SetVerbosity(system, moordyn.LEVEL_NONE)
+                moordyn.Init(system, [across, 0.0, -18.0], [0.0, 0.0, 0.0])
+                theirs = float(moordyn.GetLineFairTen(moordyn.GetLine(system, 1)))
+                moordyn.Close(system)
+            scene = {
+                "cable_types": {"rope": rope},
+                "line": [{"cable": {"type": "rope", "length": 1400.0}}],
+                "vessel": {"position": [across, 0.0, -18.0]},
+                "end": {"anchor": [0.0, 0.0, -372.192]},
+            }
+            off = max(off, relative(cm.CableModel(cm.load_scene(scene)).top_tension, theirs))
+    return Row("programs", "polyester, Syrope's curve", "MoorDyn 2.7",
+               "fairlead, at five distances", off, 0.5, "%")  # fmt: skip

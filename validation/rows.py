@@ -59,6 +59,7 @@ MODULES = (
     "tank",
     "published",
     "codes",
+    "whoi",
     "industry",
 )
 """Where families are defined, in the order of the page."""
@@ -125,7 +126,7 @@ def tables() -> str:
     """What the page shows: a table and a picture for each family.
 
     Cells have no blanks about them: every one would count as a word of the documentation. Case and
-    reference are those above where a row does not name them.
+    reference are those above where a row does not name one; limits have the result's unit.
     """
     rows, parts = read(), []
     for one in families().values():
@@ -137,9 +138,9 @@ def tables() -> str:
         above = ("", "")
         for row in mine:
             unit = f" {row.unit}" if row.unit else ""
-            limit = f"{row.limit:.3g}{unit}" + ("" if row.met else ", **not met**")
+            limit = f"{row.limit:.3g}" + ("" if row.met else ", **not met**")
             about = (row.case, row.reference)
-            named = ("", "") if about == above else about
+            named = ["" if one == other else one for one, other in zip(about, above, strict=True)]
             above = about
             cells = [*named, row.metric, f"{row.result:.3g}{unit}", limit]
             parts.append("|" + "|".join(cells) + "|")
