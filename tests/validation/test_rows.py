@@ -50,7 +50,6 @@ MISSED = {
     ("snaps", "tau 0.001, EI 0.01 of a bar", "highest, worst"),
     ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, median"),
     ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, worst"),
-    ("stops", "tau 0.0001", "worst"),
     ("cables", "80 m, touchdown that moves", "nearest touchdown"),
     ("parting", "parted, own mesh", "way of the upper end, rms"),
 }
