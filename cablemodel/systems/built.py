@@ -98,7 +98,7 @@ class Built:
         return Elements(node, segment, start, length, backward)
 
     def body_nodes(self) -> Indices:
-        """Nodes of the free bodies."""
+        """Nodes of the free bodies, in the scene's order: the tree has them in its own."""
         count = int(self.block.header.free_count)
         rows = self.block.array(Header.free_bodies, count, at.FREE_WORDS)
         return rows[:, at.FreeBody.node].astype(np.intp)
@@ -107,7 +107,7 @@ class Built:
         """The part that a node is of, and its arc length there [m]; of a body 0."""
         bodies = self.body_nodes()
         if node in bodies:
-            return list(self.tree.bodies)[int(np.flatnonzero(bodies == node)[0])], 0.0
+            return list(self.scene.bodies)[int(np.flatnonzero(bodies == node)[0])], 0.0
         found = self.elements()
         place = min(int(np.searchsorted(found.node, node)), len(found.node) - 1)
         arc = found.start[place]
@@ -126,7 +126,7 @@ class Shape:
         self._parents = block.integers(Header.parent, count)
         self.bodies = {
             name: self._q[node, :3]
-            for name, node in zip(built.tree.bodies, built.body_nodes(), strict=True)
+            for name, node in zip(built.scene.bodies, built.body_nodes(), strict=True)
         }
         self._lines = {name: built.elements(name) for name in built.lines}
 

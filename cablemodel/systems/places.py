@@ -63,7 +63,7 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             tension[node, 0] = shape.tension(name, element.start + 0.5 * element.length)
     # Steps move what shares a place alike, but do not bring it together.
     for node, joint in enumerate(tree.joint):
-        if joint == at.JOINT_HINGE:
+        if joint in (at.JOINT_HINGE, at.JOINT_FREE):
             q[node, :3] = q[tree.parent[node], :3]
 
 

@@ -195,3 +195,50 @@ def test_an_unknown_cut_is_refused_and_nothing_changes() -> None:
     with pytest.raises(cm.StepError, match=r"cuts is 'saw'.*knife"):
         model.step(0.1, cuts=["saw"])
     assert model.snapshot() == before
+
+
+def test_a_short_strop_recoils_beside_a_long_mooring() -> None:
+    """An anchor is let go at the end of a strop of 6 m, which recoils from 13 kN and folds: that
+    takes steps as short as it is itself, not as the mooring of 205 m. Meanwhile the anchor falls by
+    (m + m') dv/dt = W - rho CdA v^2 / 2, v = V tanh(W t / ((m + m') V))."""
+    mass, added, weight, area = 1500.0, 600.0, 12.8e3, 1.067
+    kinds = {
+        "rope": {"diameter": 0.02, "mass": 0.25, "submerged_weight": -0.1, "axial_stiffness": 1e6},
+        "chain": {"diameter": 0.036, "mass": 7.9, "submerged_weight": 67, "axial_stiffness": 32e6},
+    }
+    model = SystemModel({
+        "environment": {"floor": {"z": -250, "friction": 0.5}},
+        "cable_types": {name: {**kind, "drag_normal": 1.2} for name, kind in kinds.items()},
+        "vessels": {"ship": {"points": {"stern": [0, 0, -1]}, "velocity": [0.8, 0, 0]}},
+        "bodies": {
+            "float": {
+                "mass": 400.0, "hull": {"diameter": 1.2}, "inertia": 50.0, "added_mass": 300.0,
+                "drag_area": 0.6, "drag_turning": 0.1, "points": {"eye": [0, 0, -0.6]},
+            },
+            "anchor": {
+                "mass": mass, "submerged_weight": weight, "inertia": 213.0, "added_mass": added,
+                "drag_area": area, "drag_turning": 0.6,
+                "points": {"eye": [0, 0, 0.4], "hook": [0, 0, 0.5]},
+            },
+        },
+        "lines": {
+            "mooring": {
+                "from": "anchor.eye", "to": "float.eye",
+                "items": [
+                    {"cable": {"type": "chain", "length": 5}},
+                    {"cable": {"type": "rope", "length": 200}},
+                ],
+            },
+            "strop": {
+                "from": "ship.stern", "to": "anchor.hook",
+                "items": [{"cable": {"type": "rope", "length": 6}}],
+            },
+        },
+        "cuts": {"go": {"line": "strop", "at": "end", "time": 2.0}},
+        "solver": {"tolerance": 1e-4},
+    })  # fmt: skip
+    model.step_to(2.0)
+    model.step_to(4.0)
+    final = math.sqrt(2.0 * weight / (1025.0 * area))
+    expected = final * math.tanh(weight * 2.0 / ((mass + added) * final))
+    assert -model.bodies["anchor"].velocity[2] == pytest.approx(expected, rel=0.01)

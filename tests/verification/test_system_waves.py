@@ -487,3 +487,53 @@ def test_responses_without_waves_or_rows_are_named() -> None:
         cm.load_system(scene)
     with pytest.raises(cm.SceneError, match=r"vessels\.ship\.raos.*5 rows"):
         cm.load_system(ship(raos=RAOS[:-1]))
+
+
+@pytest.mark.parametrize("call", [0.5, 5.0])
+def test_a_step_that_comes_to_nothing_leaves_the_next_one_good(call: float) -> None:
+    """Rope without bending stiffness between a float below and a buoy at the surface is pressed
+    together in each trough: Newton's method may leave all bounds in a step, and goes on with a
+    shorter one. On average the mooring bears what the float lifts, and less than what the rope and
+    the buoy, which drifts in a current of 0.4 m/s, add to that."""
+    rope = {"diameter": 0.024, "mass": 0.4, "submerged_weight": 0.6, "axial_stiffness": 2e6}
+    wire = {"diameter": 0.012, "mass": 0.55, "submerged_weight": 4.25, "axial_stiffness": 7e6}
+    lift = 6000.0
+    model = SystemModel({
+        "environment": {
+            "floor": {"z": -150, "friction": 0.5}, "current": [0.4, 0, 0],
+            "waves": {"regular": {"height": 3.0, "period": 8.0}, "ramp": 15.0},
+        },
+        "cable_types": {
+            "rope": {**rope, "drag_normal": 1.2}, "wire": {**wire, "drag_normal": 1.2}
+        },
+        "bodies": {
+            "float": {
+                "mass": 800.0, "submerged_weight": -lift, "inertia": 75.0, "added_mass": 320.0,
+                "drag_area": 0.7, "drag_turning": 0.2, "position": [0, 0, -40],
+                "points": {"low": [0, 0, -0.8], "high": [0, 0, 0.8]},
+            },
+            "buoy": {
+                "mass": 700.0, "hull": {"diameter": 1.6, "height": 1.2}, "inertia": 150.0,
+                "centre_of_gravity": [0, 0, -0.3], "added_mass": 400.0, "added_inertia": 80.0,
+                "drag_area": 1.2, "drag_turning": 1.0, "points": {"eye": [0, 0, -0.6]},
+            },
+        },
+        "lines": {
+            "mooring": {
+                "from": {"anchor": [0, 0, -150]}, "to": "float.low",
+                "items": [{"cable": {"type": "wire", "length": 108}}],
+            },
+            "pennant": {
+                "from": "float.high", "to": "buoy.eye",
+                "items": [{"cable": {"type": "rope", "length": 55}}],
+            },
+        },
+    })  # fmt: skip
+    borne = []
+    while model.time < 90.0:
+        model.step(call)
+        mooring = model.lines["mooring"]
+        borne.append((mooring.end_tension, mooring.start_tension))
+    upper, lower = np.mean(borne, axis=0)
+    assert upper == pytest.approx(lift, abs=250.0)
+    assert lower == pytest.approx(upper - 108 * 4.25, rel=0.01)

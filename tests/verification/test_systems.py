@@ -460,6 +460,37 @@ def test_junction_passes_on_a_line() -> None:
     )
 
 
+@pytest.mark.parametrize("listed", [("low", "high"), ("high", "low")])
+def test_bodies_are_at_the_ends_of_their_lines_in_whatever_order_they_are_listed(
+    listed: tuple[str, str],
+) -> None:
+    """Two bodies one below the other in a current that bends their lines, whose mesh is refined as
+    the start is found: the lower line bears weight and drag of what hangs on it."""
+    speed, weight, area = 1.2, 900.0, 0.5
+    point = {"inertia": 5.0, "drag_area": area, "points": {"eye": [0, 0, 0]}}
+    bodies = {name: {"mass": 120.0, "submerged_weight": weight, **point} for name in listed}
+    wire = {"diameter": 0.012, "mass": 0.5, "axial_stiffness": 7e6, "drag_normal": 1.2}
+    items = [{"cable": {"type": "wire", "length": 150.0, "model": "cable"}}]
+    model = SystemModel({
+        "environment": {"current": [speed, 0.3, 0.0]},
+        "cable_types": {"wire": wire},
+        "vessels": {"ship": {"points": {"stern": [0, 0, 0]}}},
+        "bodies": bodies,
+        "lines": {
+            "upper": {"from": "ship.stern", "to": "high.eye", "items": items},
+            "lower": {"from": "high.eye", "to": "low.eye", "items": items},
+        },
+        "solver": {"tolerance": 1e-4},
+    })  # fmt: skip
+    upper, lower = (model.lines[name].sample([0.0, 150.0]) for name in ("upper", "lower"))
+    for body, place in (("high", upper.position[1]), ("low", lower.position[1])):
+        assert model.bodies[body].position == pytest.approx(place, abs=1e-9)
+    assert lower.position[0] == pytest.approx(upper.position[1], abs=1e-9)
+    drag = 0.5 * 1025.0 * area * (speed**2 + 0.3**2)
+    assert lower.tension[1] == pytest.approx(math.hypot(weight, drag), rel=1e-6)
+    assert model.built.where(int(model.built.body_nodes()[0])) == (listed[0], 0.0)
+
+
 def test_one_line_is_that_of_a_scene_of_one_line() -> None:
     """A system of one line is the scene of one line."""
     import cablemodel as cm

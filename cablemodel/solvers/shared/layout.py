@@ -640,6 +640,7 @@ class Arm(Record):
     body = real("row of the body")
     place = reals(3, "in the body's axes", "m")
     force = reals(3, "what the line pulled with at the last residual", "N")
+    kept = reals(3, "that of the last accepted state", "N")
 
 
 ARM_WORDS = Arm.WORDS

@@ -20,7 +20,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.body_clamps import (
 )
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import arm_moment, follow_at_body
 from cablemodel.solvers.finite_element.kernels.bodies.rotation import to_earth_axes
-from cablemodel.solvers.shared.access import closure_of, free_body_of, header, vector
+from cablemodel.solvers.shared.access import arm_of, closure_of, free_body_of, header, vector
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 
 
@@ -202,20 +202,31 @@ def follow_forces(I, M):
 
 @kernel
 def keep_forces(I, M):
-    """Keep the forces of an accepted state: a step that fails begins with them again."""
-    for n in range(header(I).closure_count):
+    """Keep the forces of an accepted state, at arms too: what failed begins with them again, since
+    its own may be no numbers, and a matrix is made of them before forces are found anew."""
+    head = header(I)
+    for n in range(head.closure_count):
         row = closure_of(I, M, n)
         for i in range(3):
             row.kept[i] = row.force[i]
+    for n in range(head.arm_count):
+        arm = arm_of(I, M, n)
+        for i in range(3):
+            arm.kept[i] = arm.force[i]
 
 
 @kernel
 def give_back_forces(I, M):
     """Those that were kept."""
-    for n in range(header(I).closure_count):
+    head = header(I)
+    for n in range(head.closure_count):
         row = closure_of(I, M, n)
         for i in range(3):
             row.force[i] = row.kept[i]
+    for n in range(head.arm_count):
+        arm = arm_of(I, M, n)
+        for i in range(3):
+            arm.force[i] = arm.kept[i]
 
 
 @kernel

@@ -4,6 +4,8 @@
 happened; `take` follows where a step was made, else `try_again`, by what stood in its way.
 """
 
+import math
+
 from cablemodel.solvers.finite_element.kernels.bodies.clamp_layer import follow_layer
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_turns_anew
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
@@ -93,6 +95,8 @@ from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     FLOOR_NONE,
     FLOOR_TOUCHED,
+    JOINT_BODY,
+    JOINT_NONE,
     MODEL_HYBRID,
     NO_CAPACITY,
     NOT_CONVERGED,
@@ -496,6 +500,26 @@ def take(I, M, plan):
 
 
 @kernel
+def quickest_period(I, M):
+    """sqrt(L/g) of the shortest line of a system, or piece that is cut off [s]: it moves as
+    quickly as it would alone, however long the others are."""
+    head = header(I)
+    state = scalars(M)
+    shortest = state.length
+    if head.parts == 0:
+        return state.period
+    length = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == JOINT_NONE:
+            length += edge_of(I, M, node).length
+        last = node + 1 == head.nodes or I[head.joint + node + 1] > JOINT_BODY
+        if length > 0.0 and (last or I[head.parent + node + 1] != node):
+            shortest = min(shortest, length)
+            length = 0.0
+    return state.period * math.sqrt(shortest / state.length)
+
+
+@kernel
 def advance_to(I, M, t_end):
     """Integrate to t_end exactly; on failure the status says why and the state is of no use."""
     head = header(I)
@@ -523,7 +547,7 @@ def advance_to(I, M, t_end):
         if status == OK and taken > head.maximum_steps:
             status = TOO_MANY_STEPS
         if status == OK and taken % STALL[0] == 0:
-            if state.time - mark < STALL[0] * STALL[1] * state.period:
+            if state.time - mark < STALL[0] * STALL[1] * quickest_period(I, M):
                 status = STALLED
             mark = state.time
     if status == OK and plan.two_steps == 0:
