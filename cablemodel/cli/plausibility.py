@@ -475,18 +475,12 @@ def system_start_warnings(model: SystemModel) -> list[str]:
 
 
 def _held_too_softly(model: SystemModel) -> list[str]:
-    """Of friction that takes hold too softly, the line that this matters to most.
-
-    Not where friction has taken hold of what lies to an anchor, as of a line alone.
-    """
+    """Of friction that takes hold too softly in a run, the line that this matters to most."""
     scene = model.scene
     accuracy = scene.solver.accuracy or scene.solver.tolerance
     worst, reach, wrong, more = "", 0.0, 0.0, 1.0
     others = []
     for name, line in model.lines.items():
-        anchored = any(end.anchor is not None for end in scene.lines[name].ends)
-        if model.built.friction_holds and anchored and not line.sample().on_floor.all():
-            continue
         its_reach, its_wrong = held_by_springs(model, name)
         times = its_wrong / (10.0 * accuracy * max(max(map(abs, line.tension_range)), 1e-300))
         if times > 1.0:
@@ -496,13 +490,16 @@ def _held_too_softly(model: SystemModel) -> list[str]:
     if not worst:
         return []
     others.remove(worst)
+    anchored = any(end.anchor is not None for end in scene.lines[worst].ends)
+    when = " as it moves" if anchored and model.built.friction_holds else ""
     also = f" (and {', '.join(others)})" if others else ""
     bristle = 1e3 * model.built.block.scalars.bristle
     return [
         f"lines.{worst}{also}: friction takes hold over {bristle:.2g} mm, so a "
         f"change of tension reaches some {reach:.2g} m further along the floor than Coulomb's "
         f"friction lets it: what lies, and its anchor, may feel up to {wrong:.4g} N too much or "
-        f"too little, {more:.2g} times what is promised; less at a finer tolerance, as its root"
+        f"too little{when}, {more:.2g} times what is promised; less at a finer tolerance, as its "
+        "root"
     ]
 
 

@@ -99,6 +99,12 @@ def ringing_stiffness(I, M, edge):
     along it all that the cable has."""
     if header(I).axial_waves != 0:
         return 1.0 / edge.compliance
+    return stiffness_of_ring(I, M, edge)
+
+
+@kernel
+def stiffness_of_ring(I, M, edge):
+    """The same where none do."""
     part = min(edge.length / line_length(I, M, edge), 1.0)
     return part * part / edge.compliance
 
@@ -167,6 +173,22 @@ def wanted_stiffness(I, M, node, edge, tension, rings, over):
         if rings and min(ringing, most) > TWICE * stiffness:
             wanted = max(wanted, min(ringing, most))
     return wanted
+
+
+@kernel
+def soften(I, M):
+    """Take back what waves have stiffened, as none run along any more: cable may fold now."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        edge = edge_of(I, M, node)
+        if I[head.joint + node] != 0 or edge.compliance == 0.0:
+            continue
+        wanted = max(least_stiffness(M, edge), stiffness_of_ring(I, M, edge))
+        if wanted < edge.stabilisation:
+            edge.third_rest *= wanted / edge.stabilisation
+            edge.stabilisation = wanted
+            head.factored = 0
+            head.has_history = 0
 
 
 @kernel

@@ -340,7 +340,7 @@ def follow_rings(I, M, dt, scheme):
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         if end_here:
-            end_wave(I, row)
+            end_wave(I, M, row)
         if row.wave > 0.0:
             follow_wave(I, M, row, dt, waves_allowed(I, M, row))
         if row.ring == 0.0:

@@ -16,6 +16,7 @@ ones of a load that rings. Where cable is pressed it bends aside, and waves alon
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.stabilisation import soften
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
@@ -107,11 +108,13 @@ def relaxation(I, M, row):
 
 
 @kernel
-def end_wave(I, row):
+def end_wave(I, M, row):
     """Follow waves at a constraint no longer."""
     if row.wave > 0.0:
         row.wave = 0.0
         header(I).axial_waves -= 1
+        if header(I).axial_waves == 0:
+            soften(I, M)
 
 
 @kernel
@@ -141,7 +144,7 @@ def begin_wave(I, M, row, jump, taut, allowed):
     if ALL_WAVES * made <= allowed:
         return
     if made >= taut:
-        end_wave(I, row)
+        end_wave(I, M, row)
         return
     if row.wave == 0.0:
         head.axial_waves += 1
@@ -197,7 +200,7 @@ def follow_wave(I, M, row, dt, allowed):
     row.wave_since = state.time + dt
     row.wave_seen = 0.0
     if ALL_WAVES * row.wave <= allowed:
-        end_wave(I, row)
+        end_wave(I, M, row)
     else:
         row.wave_element = longest_wave_element(I, M, row, allowed)
 
