@@ -133,9 +133,7 @@ def parting() -> tuple[list[Row], Any]:
     """A steady tow, whose cable parts at the ship after 100 s (breaking.cbl).
 
     The body sinks faster than the cable, which folds above it. The deck's 200 elements follow that,
-    and WHOI Cable comes to the same with shorter ones and shorter steps; the mesh that the
-    tolerance makes does not, whatever the tolerance. An estimate of the error warns of it, and
-    `converge` refuses.
+    and WHOI Cable comes to the same with shorter ones and shorter steps.
     """
     moment, end_x, end_z = np.array(
         [[float(value) for value in row.values()] for row in read_rows(FOLDER / "breaking.csv")]

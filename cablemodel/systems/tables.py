@@ -14,7 +14,7 @@ from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import waves
 from cablemodel.solvers.finite_element.start.line_tables import edge_row, fill_body, note_choices
-from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_SPARE
+from cablemodel.solvers.finite_element.start.refinement import FALLING_SPARE, REFINEMENT_SPARE
 from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.solvers.finite_element.start.sea_floor import table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
@@ -86,7 +86,8 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     )
     block.header.parts = 1
     block.header.nodes = nodes
-    block.scalars.most_nodes = nodes + spare
+    falls = FALLING_SPARE if spare and scene.cuts else 0  # memory grows if they are needed
+    block.scalars.most_nodes = nodes + spare + falls
     block.header.dimension = 3
     block.integers(Header.parent, nodes)[:] = tree.parent
     block.integers(Header.joint, nodes)[:] = tree.joint

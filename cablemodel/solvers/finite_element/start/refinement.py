@@ -40,6 +40,8 @@ are, warns of a start that it found anew."""
 LARGEST_STATIC_MESH = 4000
 REFINEMENT_SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
+FALLING_SPARE = 200
+"""Nodes for what is cut off and folds as it falls, beside those."""
 WINCH = 2
 """Times that many where a winch runs: it needs some of its own when all others bend."""
 
