@@ -41,7 +41,6 @@ def test_the_page_shows_the_data() -> None:
 
 MISSED = {
     ("transients", "whip in air", "free end"),
-    ("motions", "pendulum, 60 degrees", "position"),
     ("lays", "5 kn in 200 m, heave of 1 m", "rms of range"),
     ("tank", "cycle of 1.25 s", "rms of range"),
     ("tank", "cycle of 1.25 s", "highest"),
