@@ -497,6 +497,7 @@ class Constraint(Record):
     ring_share = real("what it may be missed by, over what the line next to it allows")
     wave = real("tension of the first wave that runs along since then, 0: none is followed", "N")
     wave_frequency = real("of that", "rad/s")
+    wave_began = real("when the last jump made waves", "s")
     wave_since = real("when the window began in which it is measured", "s")
     wave_seen = real("the largest in that window", "N")
     wave_lasts = real("until it has died away, 0: not measured yet", "rad")

@@ -11,7 +11,8 @@ frequency that elements give it, for as long as it lasts, and by no more than al
 allowed of that sum is what one step may miss, or as much as is missed of overtones beyond the
 last: else steps and elements are shorter. The first wave's amplitude is what jumps make, then what
 a window of one turn finds at most in the speeds by which the line is stretched, beside the linear
-ones of a load that rings. Where cable is pressed it bends aside, and waves along it end.
+ones of a load that rings. Where cable is pressed it bends aside, and waves along it end. Those that
+nothing has ended after MOST_LASTING are left to the steps.
 """
 
 import math
@@ -139,13 +140,15 @@ def begin_wave(I, M, row, jump, taut, allowed):
     if runs_through(I, M, root, end):
         return
     lasts = M[region(I, SOFTNESS) + farthest]
-    made = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
-    made += row.wave
+    new = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
+    made = new + row.wave
     if ALL_WAVES * made <= allowed:
         return
     if made >= taut:
         end_wave(I, M, row)
         return
+    if row.wave == 0.0 or ALL_WAVES * new > allowed:
+        row.wave_began = scalars(M).time
     if row.wave == 0.0:
         head.axial_waves += 1
         row.wave_since = scalars(M).time
@@ -199,7 +202,8 @@ def follow_wave(I, M, row, dt, allowed):
     row.wave = found
     row.wave_since = state.time + dt
     row.wave_seen = 0.0
-    if ALL_WAVES * row.wave <= allowed:
+    over = row.wave_frequency * (row.wave_since - row.wave_began) > MOST_LASTING
+    if over or ALL_WAVES * row.wave <= allowed:
         end_wave(I, M, row)
     else:
         row.wave_element = longest_wave_element(I, M, row, allowed)
