@@ -270,7 +270,7 @@ def begin_rings(I, M, dt):
             state.heard = allowed / moved
             state.heard_most = taut / moved
             state.heard_frequency = frequency
-        begin_wave(I, M, row, jump, taut, SHARE_OF_WAVES * allowed)
+        begin_wave(I, M, row, jump, SHARE_OF_WAVES * allowed)
         of_jerk = moved * jerk / frequency
         if of_jerk > taut:
             of_jerk = 0.0

@@ -22,9 +22,24 @@ from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUME
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
 from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR, SOFTNESS, region
-from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars, winch_of
+from cablemodel.solvers.shared.access import (
+    body_of,
+    constraint_of,
+    edge_of,
+    free_body_of,
+    header,
+    scalars,
+    winch_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel
-from cablemodel.solvers.shared.layout import CHANGED, JOINT_ROOT, NO_CAPACITY, NOTHING, OK
+from cablemodel.solvers.shared.layout import (
+    CHANGED,
+    FLOOR_FAR,
+    JOINT_ROOT,
+    NO_CAPACITY,
+    NOTHING,
+    OK,
+)
 
 MOST_LASTING = 2000.0  # rad: longest that a ring, or a first wave, is taken to last
 OVERTONES = 32  # most that are followed
@@ -130,21 +145,50 @@ def runs_through(I, M, root, end):
 
 
 @kernel
-def begin_wave(I, M, row, jump, taut, allowed):
-    """What a jump of the acceleration [m/s2] at an end that is held sends along its line, if that
-    is more than is allowed, and less than the tension `taut`: by more it goes slack [N]."""
+def something_between(I, M, root, end, farthest):
+    """Whether a body hangs on what is tied together elsewhere than at its far end: it throws waves
+    back, and their spectrum is another one."""
     head = header(I)
-    if jump == 0.0:
+    for n in range(head.body_count):
+        node = int(body_of(I, M, n).node)
+        if root < node < end and node != farthest:
+            return True
+    for n in range(head.free_count):
+        node = int(free_body_of(I, M, n).node)
+        if root < node < end and node != farthest:
+            return True
+    return False
+
+
+@kernel
+def least_tension(I, M, root, end):
+    """Of what is tied together [N]."""
+    head = header(I)
+    least = math.inf
+    for node in range(root + 1, end):
+        if I[head.joint + node] == 0:
+            tension = head.tension + 2 * node
+            least = min(least, M[tension] - abs(M[tension + 1]))
+    return least
+
+
+@kernel
+def begin_wave(I, M, row, jump, allowed):
+    """What a jump of the acceleration [m/s2] at an end that is held sends along its line, if that
+    is more than is allowed, and less than all that is there: by more it goes slack somewhere.
+    Above a floor that is near the mesh is another's to change."""
+    head = header(I)
+    if jump == 0.0 or head.floor_state != FLOOR_FAR:
         return
     root, end, farthest = times_of_sound(I, M, int(row.node))
-    if runs_through(I, M, root, end):
+    if runs_through(I, M, root, end) or something_between(I, M, root, end, farthest):
         return
     lasts = M[region(I, SOFTNESS) + farthest]
     new = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
     made = new + row.wave
     if ALL_WAVES * made <= allowed:
         return
-    if made >= taut:
+    if ALL_WAVES * made >= least_tension(I, M, root, end):
         end_wave(I, M, row)
         return
     if row.wave == 0.0 or ALL_WAVES * new > allowed:
