@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
-from tests.verification.references.stops import BEGINS, OUTPUT, stop
+from tests.verification.references.stops import stop
+from validation.stops import tensions
 
 END = 8.0  # s
 JOBS = (2, 4, 5, 7)  # of 100 to 1,400 m; from waves that are hardly heard to large ones
@@ -15,11 +16,7 @@ JOBS = (2, 4, 5, 7)  # of 100 to 1,400 m; from waves that are hardly heard to la
 def test_waves_along_a_wire_are_within_the_promise(seed, tolerance):
     job = stop(seed)
     expected = job.tensions(END)
-    model = cm.CableModel(job.scene(tolerance))
-    found = []
-    for n in range(len(expected)):
-        model.step_to(BEGINS + (n + 1) * OUTPUT)
-        found.append(model.top_tension)
+    found = tensions(job, tolerance, len(expected))
     assert np.abs(found - expected).max() < 10.0 * tolerance * expected.max()
 
 

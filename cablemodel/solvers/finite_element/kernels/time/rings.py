@@ -45,10 +45,10 @@ from cablemodel.solvers.finite_element.kernels.time.waves import (
     end_wave,
     error_of_turn,
     follow_wave,
-    is_root,
     longest_wave_step,
     may_miss_waves,
     tree_of,
+    watched_element,
 )
 from cablemodel.solvers.shared.access import (
     body_of,
@@ -67,13 +67,6 @@ SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other erro
 SHARE_OF_WAVES = 0.6  # the same of waves: with a ring's all that a step may miss
 LEFT_SLACK = 0.1  # of the pressure to which limp cable gives way: tension left by Newton's method
 ROUNDED = 1e-13  # strain that rounding may change
-
-
-@inlined
-def watched_element(I, row):
-    """The element next to a constraint, whose tension is looked at."""
-    node = int(row.node)
-    return node + 1 if is_root(I, node) else node
 
 
 @inlined
@@ -270,7 +263,7 @@ def begin_rings(I, M, dt):
             state.heard = allowed / moved
             state.heard_most = taut / moved
             state.heard_frequency = frequency
-        begin_wave(I, M, row, jump, SHARE_OF_WAVES * allowed)
+        begin_wave(I, M, row, jump, waves_allowed(I, M, row))
         of_jerk = moved * jerk / frequency
         if of_jerk > taut:
             of_jerk = 0.0

@@ -11,8 +11,11 @@ frequency that elements give it, for as long as it lasts, and by no more than al
 allowed of that sum is what one step may miss, or as much as is missed of overtones beyond the
 last: else steps and elements are shorter. The first wave's amplitude is what jumps make, then what
 a window of one turn finds at most in the speeds by which the line is stretched, beside the linear
-ones of a load that rings. Where cable is pressed it bends aside, and waves along it end. Those that
-nothing has ended after MOST_LASTING are left to the steps.
+ones of a load that rings.
+
+Between winch and load alone, far from a floor, is that their spectrum: what hangs between throws
+waves back. Where cable is pressed it bends aside, and waves along it end. Those that nothing has
+ended after MOST_LASTING are left to the steps.
 """
 
 import math
@@ -86,6 +89,12 @@ def error_of_turn(scheme, angle):
     return math.hypot(size * real - math.cos(behind), size * imaginary - math.sin(behind))
 
 
+@inlined
+def time_of_sound(edge):
+    """In which sound runs along an element [s]."""
+    return edge.length * math.sqrt(edge.mass * edge.compliance)
+
+
 @kernel
 def times_of_sound(I, M, held):
     """The time in which sound runs from a node that is held to each of those that hang on it [s],
@@ -100,7 +109,7 @@ def times_of_sound(I, M, held):
         until = M[times + I[head.parent + node]]
         if I[head.joint + node] == 0:
             edge = edge_of(I, M, node)
-            until += edge.length * math.sqrt(edge.mass * edge.compliance)
+            until += time_of_sound(edge)
         M[times + node] = until
         if until > M[times + farthest]:
             farthest = node
@@ -108,18 +117,23 @@ def times_of_sound(I, M, held):
 
 
 @inlined
+def watched_element(I, row):
+    """The element next to a constraint, whose tension is looked at."""
+    node = int(row.node)
+    return node + 1 if is_root(I, node) else node
+
+
+@inlined
 def hardness(I, M, row):
     """Z = sqrt(EA m) of the element below a constraint: tension over speed of a wave [N s/m]."""
-    node = int(row.node)
-    edge = edge_of(I, M, node + 1 if is_root(I, node) else node)
+    edge = edge_of(I, M, watched_element(I, row))
     return math.sqrt(edge.mass / edge.compliance) if edge.compliance > 0.0 else 0.0
 
 
 @inlined
 def relaxation(I, M, row):
     """Time by whose half a wave's rate of decay is w^2 [s]: of the material."""
-    node = int(row.node)
-    edge = edge_of(I, M, node + 1 if is_root(I, node) else node)
+    edge = edge_of(I, M, watched_element(I, row))
     return edge.damping_full * edge.compliance
 
 
@@ -213,13 +227,11 @@ def speed_of_stretch(I, M, row, dt):
     speeds = times + head.nodes
     M[speeds + root] = 0.0
     for node in range(root + 1, end):
-        faster = M[head.trial_tension + 2 * node] - M[head.tension + 2 * node]
-        edge = edge_of(I, M, node)
+        M[speeds + node] = M[speeds + I[head.parent + node]]
         if I[head.joint + node] == 0:
-            faster *= edge.compliance * edge.length / dt
-        else:
-            faster = 0.0
-        M[speeds + node] = M[speeds + I[head.parent + node]] + faster
+            edge = edge_of(I, M, node)
+            more = M[head.trial_tension + 2 * node] - M[head.tension + 2 * node]
+            M[speeds + node] += more * (edge.compliance * edge.length / dt)
     if M[times + farthest] == 0.0:
         return 0.0
     whole = M[speeds + farthest] / M[times + farthest]
@@ -262,6 +274,12 @@ def how_long(row, number, relaxed):
     return min(lasts, 2.0 / loss) if loss > 0.0 else lasts
 
 
+@inlined
+def beyond(amplitude, number):
+    """All that is there of the waves beyond that number, whose first has that amplitude."""
+    return amplitude / (number + 0.5)
+
+
 @kernel
 def missed_by_steps(row, amplitude, relaxed, scheme, dt):
     """What steps of dt miss of waves until they are over, whose first has that amplitude, in its
@@ -274,7 +292,7 @@ def missed_by_steps(row, amplitude, relaxed, scheme, dt):
         missed += own * min(lost, 1.0)
         if lost >= 1.0:
             # So are those beyond.
-            return missed + amplitude * (1.0 / (number + 0.5) - 1.0 / (OVERTONES + 0.5))
+            return missed + beyond(amplitude, number) - beyond(amplitude, OVERTONES)
     return missed
 
 
@@ -287,7 +305,7 @@ def missed_by_elements(row, amplitude, relaxed, turn):
         lost = ELEMENT_DISPERSION * (number * turn) ** 6 * how_long(row, number, relaxed)
         missed += own * min(lost, 1.0)
         if lost >= 1.0:
-            return missed + amplitude * (1.0 / (number + 0.5) - 1.0 / (OVERTONES + 0.5))
+            return missed + beyond(amplitude, number) - beyond(amplitude, OVERTONES)
     return missed
 
 
@@ -295,7 +313,7 @@ def missed_by_elements(row, amplitude, relaxed, turn):
 def may_be_missed(amplitude):
     """What may be missed of waves whose first has that amplitude: what is allowed, their unit, or
     as much as of those that are not followed."""
-    return max(1.0, amplitude / (OVERTONES + 0.5))
+    return max(1.0, beyond(amplitude, OVERTONES))
 
 
 @kernel
@@ -346,9 +364,7 @@ def parts_for_waves(I, M, node, longest):
     if I[header(I).joint + node] != 0:
         return 1
     edge = edge_of(I, M, node)
-    parts = math.ceil(
-        edge.length * math.sqrt(edge.mass * edge.compliance) / (ELEMENT_TOO_LONG * longest)
-    )
+    parts = math.ceil(time_of_sound(edge) / (ELEMENT_TOO_LONG * longest))
     return int(parts) if parts > 1.0 and may_be_halved(I, M, node) else 1
 
 
