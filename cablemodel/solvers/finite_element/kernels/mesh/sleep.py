@@ -25,6 +25,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     along_floor,
     bristle_at,
     contact_of,
+    touchdown_layer,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at, lowest_gap
 from cablemodel.solvers.finite_element.kernels.mesh.payout import hermite
@@ -344,7 +345,8 @@ def place_to_sleep(I, M):
         if not lies(I, M, q, node):
             continue
         way += edge_of(I, M, node).length
-        layer, finest = finest_length(I, M, node, 0.0)
+        layer = touchdown_layer(M, edge_of(I, M, node))
+        finest = finest_length(I, M, node, 0.0, layer)
         needed = max(LAYERS * layer, ELEMENTS * finest)
         if way < needed or holds_something(I, M, node) or not lies(I, M, q, node + 1):
             continue

@@ -260,33 +260,34 @@ def landing_radius(I, M, node, gap, layer):
 
 
 @kernel
-def finest_length(I, M, node, gap):
-    """Lengths of the touchdown layer, and of the elements where cable of this kind lands [m].
+def finest_length(I, M, node, gap, layer):
+    """Length of the elements where cable of this kind lands [m].
 
-    gap: height of the element at present [m].
+    gap: height of the element at present [m]. layer: that of its touchdown [m].
     """
     accuracy = position_accuracy(I, M, node)
-    layer = touchdown_layer(M, edge_of(I, M, node))
     radius = landing_radius(I, M, node, gap, layer)
     # By the place of the cable, and by the angle that an element turns: what it misses of its
     # length when it lands strains the laid cable.
-    return layer, max(
-        LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TOUCHDOWN_TURN * radius)
-    )
+    return max(LAYER * layer, min(math.sqrt(2.0 * accuracy * radius), TOUCHDOWN_TURN * radius))
 
 
 @kernel
-def length_by_tension(I, M, node, gap, layer, spare):
-    """The longest element with which a touchdown goes on without a jolt of the tension [m].
+def length_by_tension(I, M, node, gap, layer, spare, longest):
+    """The longest element with which a touchdown goes on without a jolt of the tension [m], up to
+    `longest`, of which one wants no more.
 
     The touchdown passes from element to element. In each, the line's length is wrong by up to what
     its arc is longer than the chord, h^3/(24 R^2), and right again in the next. Elements as short
     as the layer over which the cable bends on to the floor follow it there.
     """
-    if spare == 0.0:
-        return 1e300
     radius = landing_radius(I, M, node, gap, layer)
-    return max(layer, (24.0 * spare * radius * radius) ** (1.0 / 3.0) / SPLIT_ABOVE)
+    cube = 24.0 * spare * radius * radius
+    if spare == 0.0 or cube > 1.001 * (SPLIT_ABOVE * longest) ** 3:
+        return longest
+    if cube < 0.999 * (SPLIT_ABOVE * layer) ** 3:
+        return min(longest, layer)
+    return min(longest, max(layer, cube ** (1.0 / 3.0) / SPLIT_ABOVE))
 
 
 @inlined
@@ -356,15 +357,15 @@ def length_by_bend(I, M, node, layer, jumps):
 
 
 @kernel
-def wanted_length(I, M, node, gaps, behind, jumps, spare):
-    """The length that an element should have where it is [m]."""
+def wanted_length(I, M, node, layer, gaps, behind, jumps, spare):
+    """The length that an element should have where it is [m]; layer: that of its touchdown [m]."""
     state = scalars(M)
     accuracy = position_accuracy(I, M, node)
     depth = state.floor_depth
-    layer, finest = finest_length(I, M, node, gaps[node])
     shortest = LAYER * layer
-    steady = length_by_tension(I, M, node, gaps[node], layer, spare[node])
-    finest = max(shortest, min(finest, steady))
+    finest = finest_length(I, M, node, gaps[node], layer)
+    finest = length_by_tension(I, M, node, gaps[node], layer, spare[node], finest)
+    finest = max(shortest, finest)
     if gaps[node] >= depth:
         wanted = finest + TOUCHDOWN_AHEAD * (gaps[node] - depth)
         near = gaps[node] < 4.0 * finest
@@ -561,16 +562,25 @@ def follow_floor(I, M, change, first):
         measure_ways(I, M, gaps, ways)
     if change:
         lower(I, M, gaps)
+    alike = 0  # an element of the same cable, whose touchdown layer is known
+    layer = 0.0
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
+            edge, other = edge_of(I, M, node), edge_of(I, M, alike)
+            if (
+                alike == 0
+                or edge.bending_full != other.bending_full
+                or edge.contact != other.contact
+            ):
+                layer = touchdown_layer(M, edge)
+                alike = node
             if moved_by_winch(I, M, node) < 0:
-                wanted[node] = wanted_length(I, M, node, gaps, behind, jumps, spare)
+                wanted[node] = wanted_length(I, M, node, layer, gaps, behind, jumps, spare)
                 if grips:
                     by_grip = length_by_grip(I, M, node, promised[node], ways[node])
                     wanted[node] = min(wanted[node], by_grip)
             else:
                 # The element that the winch changes follows its bend alone.
-                layer = touchdown_layer(M, edge_of(I, M, node))
                 wanted[node] = length_by_bend(I, M, node, layer, jumps)
     hanging = 0
     for node in range(1, head.nodes):
