@@ -106,6 +106,58 @@ def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = No
     return product
 
 
+def sums_of_two(table: Any, add: str) -> Any:
+    """As the compiled one."""
+    factors = np.array(table)
+
+    def sums(vector: Any, start: Any, out: Any) -> None:
+        terms = len(factors)
+        for i in range(2):
+            total = vector[start + 4 * i : start + 4 * i + terms] @ factors
+            out[i::2] = total if add == "no" else out[i::2] + total
+
+    return sums
+
+
+def values_of_two(tables: Any) -> Any:
+    """As the compiled one."""
+    factors = np.array([table[:3] for table in tables])
+
+    def values(unknowns: Any, out: Any) -> None:
+        for i in range(2):
+            out[4 * i : 4 * i + 3] = unknowns[i::2] @ factors
+            out[4 * i + 3] = out[4 * i + 2]
+
+    return values
+
+
+def scatter_pairs(dimension: int, row: int) -> Any:
+    """As the compiled one."""
+    size = 2 * dimension
+
+    def scatter(words: Any, start: Any, above: Any, upper: Any, lower: Any, below: Any) -> None:
+        pairs = words[start : start + 16 * row].reshape(2, 2, 2, 2, row)[..., : dimension**2]
+        pairs = pairs.reshape(2, 2, 2, 2, dimension, dimension)
+        blocks = pairs.transpose(0, 2, 1, 4, 3, 5).reshape(2, 2, size * size)
+        above[: size * size] += blocks[0, 0]
+        upper[: size * size] = blocks[0, 1]
+        lower[: size * size] = blocks[1, 0]
+        below[: size * size] += blocks[1, 1]
+
+    return scatter
+
+
+def in_pairs(formula: Any) -> Any:
+    """As the compiled one."""
+
+    def loop(count: Any, results: Any, arrays: Any, numbers: Any) -> None:
+        found = formula(*(array[:count] for array in arrays), *numbers)
+        for result, value in zip(results, found, strict=True):
+            result[:count] = value
+
+    return loop
+
+
 def two_products(size: int) -> Any:
     """As the compiled one."""
 
@@ -153,7 +205,16 @@ def install() -> None:
         copy_words,
     ):
         setattr(compiling, function.__name__, function)
-    for function in (table_product, matrix_vector, two_products, block_kernels):
+    for function in (
+        table_product,
+        matrix_vector,
+        sums_of_two,
+        values_of_two,
+        scatter_pairs,
+        in_pairs,
+        two_products,
+        block_kernels,
+    ):
         setattr(products, function.__name__, function)
     for name in ("kernel", "inlined", "outlined"):
         setattr(compiling, name, as_it_is)

@@ -13,6 +13,7 @@ from cablemodel.solvers.finite_element.kernels.element.strain import (
 )
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     LOAD,
+    MASS,
     MASS_WD,
     P1,
     P2,
@@ -23,7 +24,12 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT_P2,
     WH,
 )
-from cablemodel.solvers.finite_element.kernels.line.products import matrix_vector, two_products
+from cablemodel.solvers.finite_element.kernels.line.products import (
+    matrix_vector,
+    scatter_pairs,
+    sums_of_two,
+    two_products,
+)
 from cablemodel.solvers.shared.access import edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
@@ -244,19 +250,12 @@ def pair_kernels(dimension: int, row: int, tangents: int, sums: int) -> tuple[An
             W[to + 14 * row] = h * (k32 + W[H + 9 * row] + W[X + 10 * row])
             W[to + 15 * row] = h2 * (k33 + W[H + 3 * row] + W[X + 11 * row])
 
+    scatter_from = scatter_pairs(dimension, row)
+
     @inlined
     def scatter(W, above, upper, lower, below):
         """The sixteen pairs into the blocks of the element's nodes."""
-        for k in range(2):
-            for i in range(dimension):
-                for l in range(2):
-                    for j in range(dimension):
-                        at = size * (dimension * k + i) + dimension * l + j
-                        pair = BLOCKS + row * (4 * k + l) + dimension * i + j
-                        above[at] += W[pair]
-                        upper[at] = W[pair + 2 * row]
-                        lower[at] = W[pair + 8 * row]
-                        below[at] += W[pair + 10 * row]
+        scatter_from(W, BLOCKS, above, upper, lower, below)
 
     return constraint_gradient, add_tension, combine, scatter
 
@@ -267,42 +266,67 @@ def force_kernel(dimension: int, loads: int, pulls: int, bends: int) -> Any:
     loads, pulls, bends: words of the workspace W where forces conjugate to r, r' and r'' at the
     Gauss points begin, times h, 1 and 1 / h, four words a component.
     """
+    mass_of_two, slopes_of_two = sums_of_two(MASS, "no"), sums_of_two(WD[:3], "each")
+    loads_of_two, bends_of_two = sums_of_two(WH[:3], "sum"), sums_of_two(WE[:3], "sum")
     by_mass_and_slopes = matrix_vector(4, 1.0, add=False, columns=7)
     by_shapes = matrix_vector(4, 1.0, add=True, columns=3)
-    seven_numbers, four_numbers = own_numbers(7), own_numbers(4)
+    eight_numbers, seven_numbers, four_numbers = own_numbers(8), own_numbers(7), own_numbers(4)
 
     @inlined
     def add_forces(W, edge, a0, a1, drag, above, below, end):
         """Add the forces of an element to those of its nodes, and write what its ends pull with.
 
-        a0, a1: accelerations of its nodes.
+        a0, a1: accelerations of its nodes. Two components are summed side by side, of three the
+        last by itself.
         """
         h = edge.length
         mass = edge.mass * h
         weight = edge.weight * h
-        x = seven_numbers()
-        r = four_numbers()
-        for i in range(dimension):
-            x[0] = a0[i] * mass
-            x[1] = a0[dimension + i] * mass * h
-            x[2] = a1[i] * mass
-            x[3] = a1[dimension + i] * mass * h
+        x = eight_numbers()
+        r = eight_numbers()
+        for i in range(2):
+            x[4 * i] = a0[i] * mass
+            x[4 * i + 1] = a0[dimension + i] * mass * h
+            x[4 * i + 2] = a1[i] * mass
+            x[4 * i + 3] = a1[dimension + i] * mass * h
+        mass_of_two(x, 0, r)
+        slopes_of_two(W, pulls, r)
+        if drag != 0:
+            loads_of_two(W, loads, r)
+        if edge.bending != 0.0:
+            bends_of_two(W, bends, r)
+        if dimension == 2:
+            for k in range(4):
+                r[2 * k + 1] += weight * LOAD[k]
+        for i in range(2):
+            above[i] += r[i]
+            above[dimension + i] += h * r[2 + i]
+            below[i] += r[4 + i]
+            below[dimension + i] += h * r[6 + i]
+            end[i] = -r[i]
+            end[dimension + i] = r[4 + i]
+        if dimension == 3:
+            y = seven_numbers()
+            s = four_numbers()
+            y[0] = a0[2] * mass
+            y[1] = a0[5] * mass * h
+            y[2] = a1[2] * mass
+            y[3] = a1[5] * mass * h
             for g in range(3):
-                x[4 + g] = W[pulls + 4 * i + g]
-            by_mass_and_slopes(MASS_WD, 0, x, 0, 1, r, 0)
+                y[4 + g] = W[pulls + 8 + g]
+            by_mass_and_slopes(MASS_WD, 0, y, 0, 1, s, 0)
             if drag != 0:
-                by_shapes(WH, 0, W, loads + 4 * i, 1, r, 0)
+                by_shapes(WH, 0, W, loads + 8, 1, s, 0)
             if edge.bending != 0.0:
-                by_shapes(WE, 0, W, bends + 4 * i, 1, r, 0)
-            if i == dimension - 1:
-                for k in range(4):
-                    r[k] += weight * LOAD[k]
-            above[i] += r[0]
-            above[dimension + i] += h * r[1]
-            below[i] += r[2]
-            below[dimension + i] += h * r[3]
-            end[i] = -r[0]
-            end[dimension + i] = r[2]
+                by_shapes(WE, 0, W, bends + 8, 1, s, 0)
+            for k in range(4):
+                s[k] += weight * LOAD[k]
+            above[2] += s[0]
+            above[5] += h * s[1]
+            below[2] += s[2]
+            below[5] += h * s[3]
+            end[2] = -s[0]
+            end[5] = s[2]
 
     return add_forces
 

@@ -38,14 +38,14 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     P1,
     P2,
 )
-from cablemodel.solvers.finite_element.kernels.line.products import table_product
+from cablemodel.solvers.finite_element.kernels.line.products import table_product, values_of_two
 from cablemodel.solvers.finite_element.kernels.water.waves import (
     element_water,
     wave_loads,
     wet_rows,
 )
 from cablemodel.solvers.shared.access import edge_of, header, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import (
     GAUSS_WORDS,
@@ -73,6 +73,12 @@ _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
 add_forces = force_kernel(2, FX, PX, QX)
 with_damping = damping_kernel(2, TX)
+slopes_at_points = values_of_two((D2, D1, D3))
+second_at_points = values_of_two((E2, E1, E3))
+second_of_all = values_of_two((E0, E1, E2, E3))
+values_at_points = values_of_two((H0, H1, H2, H3))
+by_places, by_slopes = values_of_two((H0, H2)), values_of_two((H1, H3))
+four_numbers, six_numbers, eight_numbers = own_numbers(4), own_numbers(6), own_numbers(8)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
@@ -91,20 +97,21 @@ def element_current(I, M, W, x0, x1, h):
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
     ih = 1.0 / h
-    ax = (x1[0] - x0[0]) * ih
-    az = (x1[1] - x0[1]) * ih
-    bx = x0[2]
-    bz = x0[3]
-    dx = x1[2]
-    dz = x1[3]
+    unknowns = six_numbers()
+    slope = eight_numbers()
+    for i in range(2):
+        unknowns[i] = (x1[i] - x0[i]) * ih
+        unknowns[2 + i] = x0[2 + i]
+        unknowns[4 + i] = x1[2 + i]
+    slopes_at_points(unknowns, slope)
     for g in range(4):
-        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
-        pz = az * D2[g] + bz * D1[g] + dz * D3[g]
+        px = slope[g]
+        pz = slope[4 + g]
         s = math.sqrt(px * px + pz * pz)
-        i = 1.0 / s
+        inverse = 1.0 / s
         W[G + g] = s
-        W[TX + g] = px * i
-        W[TZ + g] = pz * i
+        W[TX + g] = px * inverse
+        W[TZ + g] = pz * inverse
 
 
 constraints_planar = missed_kernel(2, geometry, G)
@@ -125,15 +132,16 @@ def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
     ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    ax = (x1[0] - x0[0]) * ih2
-    az = (x1[1] - x0[1]) * ih2
-    bx = x0[2] * ih
-    bz = x0[3] * ih
-    dx = x1[2] * ih
-    dz = x1[3] * ih
+    unknowns = six_numbers()
+    second = eight_numbers()
+    for i in range(2):
+        unknowns[i] = (x1[i] - x0[i]) * ih2
+        unknowns[2 + i] = x0[2 + i] * ih
+        unknowns[4 + i] = x1[2 + i] * ih
+    second_at_points(unknowns, second)
     for g in range(4):
-        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
-        yz = az * E2[g] + bz * E1[g] + dz * E3[g]
+        yx = second[g]
+        yz = second[4 + g]
         tx = W[TX + g]
         tz = W[TZ + g]
         ig = 1.0 / W[G + g]
@@ -149,29 +157,28 @@ def add_bending_forces(W, x0, x1, h, bending):
 @inlined
 def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
-    ax = v0[0]
-    az = v0[1]
-    bx = h * v0[2]
-    bz = h * v0[3]
-    cx = v1[0]
-    cz = v1[1]
-    dx = h * v1[2]
-    dz = h * v1[3]
-    ex = a0[0]
-    ez = a0[1]
-    fx = h * a0[2]
-    fz = h * a0[3]
-    gx = a1[0]
-    gz = a1[1]
-    hx = h * a1[2]
-    hz = h * a1[3]
+    unknowns = eight_numbers()
+    velocity = eight_numbers()
+    acceleration = eight_numbers()
+    for i in range(2):
+        unknowns[i] = v0[i]
+        unknowns[2 + i] = h * v0[2 + i]
+        unknowns[4 + i] = v1[i]
+        unknowns[6 + i] = h * v1[2 + i]
+    values_at_points(unknowns, velocity)
+    for i in range(2):
+        unknowns[i] = a0[i]
+        unknowns[2 + i] = h * a0[2 + i]
+        unknowns[4 + i] = a1[i]
+        unknowns[6 + i] = h * a1[2 + i]
+    values_at_points(unknowns, acceleration)
     for g in range(4):
         tx = W[TX + g]
         tz = W[TZ + g]
-        ux = W[CX + g] - (ax * H0[g] + bx * H1[g] + cx * H2[g] + dx * H3[g])
-        uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
-        wx = ex * H0[g] + fx * H1[g] + gx * H2[g] + hx * H3[g]
-        wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
+        ux = W[CX + g] - velocity[g]
+        uz = W[CZ + g] - velocity[4 + g]
+        wx = acceleration[g]
+        wz = acceleration[4 + g]
         root = math.sqrt(W[G + g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz
@@ -252,27 +259,25 @@ def residual_planar(I, M, q, v, a, tension, out, out_constraint):
 
 
 @inlined
-def tangent_matrices(
-    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
-):
-    """Jacobians of the forces at the Gauss points, components along (t, n)."""
+def bending_matrices(W, x0, x1, h, tension0, tension1, t2, bending):
+    """Jacobians of the forces along the cable and of its bending's, components along (t, n)."""
     ih = 1.0 / h
     ih2 = ih * ih
-    ax = x0[0] * ih2
-    az = x0[1] * ih2
-    bx = x0[2] * ih
-    bz = x0[3] * ih
-    cx = x1[0] * ih2
-    cz = x1[1] * ih2
-    dx = x1[2] * ih
-    dz = x1[3] * ih
+    unknowns = eight_numbers()
+    second = eight_numbers()
+    for i in range(2):
+        unknowns[i] = x0[i] * ih2
+        unknowns[2 + i] = x0[2 + i] * ih
+        unknowns[4 + i] = x1[i] * ih2
+        unknowns[6 + i] = x1[2 + i] * ih
+    second_of_all(unknowns, second)
     for g in range(4):
         ig = 1.0 / W[G + g]
         tx = W[TX + g]
         tz = W[TZ + g]
         tension = tension0 + tension1 * P1[g] + t2 * P2[g]
-        yx = ax * E0[g] + bx * E1[g] + cx * E2[g] + dx * E3[g]
-        yz = az * E0[g] + bz * E1[g] + cz * E2[g] + dz * E3[g]
+        yx = second[g]
+        yz = second[4 + g]
         beta = (yx * tx + yz * tz) * ig
         k = (yz * tx - yx * tz) * ig
         c1 = bending * ig * ig * ih
@@ -286,32 +291,51 @@ def tangent_matrices(
         W[j + 16 + NT] = -c2 * k
         W[j + 16 + NN] = -c2 * beta
         W[j + 48 + NN] = c3
+
+
+@inlined
+def motion_at_points(x0, x1, h, out):
+    """Velocity or acceleration at the Gauss points: the first component, then the second."""
+    unknowns = four_numbers()
+    turned = eight_numbers()
+    for i in range(2):
+        unknowns[i] = x0[i]
+        unknowns[2 + i] = x1[i]
+    by_places(unknowns, out)
+    for i in range(2):
+        unknowns[i] = x0[2 + i]
+        unknowns[2 + i] = x1[2 + i]
+    by_slopes(unknowns, turned)
+    for n in range(8):
+        out[n] += h * turned[n]
+
+
+@inlined
+def tangent_matrices(
+    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+):
+    """Jacobians of the forces at the Gauss points, components along (t, n)."""
+    ih = 1.0 / h
+    if bending != 0.0:
+        bending_matrices(W, x0, x1, h, tension0, tension1, t2, bending)
+    else:
+        for g in range(4):
+            tension = tension0 + tension1 * P1[g] + t2 * P2[g]
+            W[JACOBIAN + 32 + NN + g] = ih * tension * (1.0 / W[G + g])
     if drag == 0:
         return
-    ax = v0[0]
-    az = v0[1]
-    bx = v0[2]
-    bz = v0[3]
-    cx = v1[0]
-    cz = v1[1]
-    dx = v1[2]
-    dz = v1[3]
-    ex = a0[0]
-    ez = a0[1]
-    fx = a0[2]
-    fz = a0[3]
-    gx = a1[0]
-    gz = a1[1]
-    hx = a1[2]
-    hz = a1[3]
+    velocity = eight_numbers()
+    acceleration = eight_numbers()
+    motion_at_points(v0, v1, h, velocity)
+    motion_at_points(a0, a1, h, acceleration)
     for g in range(4):
         ig = 1.0 / W[G + g]
         tx = W[TX + g]
         tz = W[TZ + g]
-        ux = W[CX + g] - (ax * H0[g] + cx * H2[g] + h * (bx * H1[g] + dx * H3[g]))
-        uz = W[CZ + g] - (az * H0[g] + cz * H2[g] + h * (bz * H1[g] + dz * H3[g]))
-        wx = ex * H0[g] + gx * H2[g] + h * (fx * H1[g] + hx * H3[g])
-        wz = ez * H0[g] + gz * H2[g] + h * (fz * H1[g] + hz * H3[g])
+        ux = W[CX + g] - velocity[g]
+        uz = W[CZ + g] - velocity[4 + g]
+        wx = acceleration[g]
+        wz = acceleration[4 + g]
         root = math.sqrt(W[G + g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz

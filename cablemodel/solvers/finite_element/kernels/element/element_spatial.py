@@ -42,14 +42,14 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     P1,
     P2,
 )
-from cablemodel.solvers.finite_element.kernels.line.products import table_product
+from cablemodel.solvers.finite_element.kernels.line.products import table_product, values_of_two
 from cablemodel.solvers.finite_element.kernels.water.waves import (
     element_water,
     wave_loads,
     wet_rows,
 )
 from cablemodel.solvers.shared.access import edge_of, header, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.environment import current_at
 from cablemodel.solvers.shared.layout import (
     GAUSS_WORDS,
@@ -78,6 +78,10 @@ _product_hd = table_product(LINES_HD)
 constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
 add_forces = force_kernel(3, FX, PX, QX)
 with_damping = damping_kernel(3, TX)
+slopes_at_points = values_of_two((D2, D1, D3))
+second_at_points = values_of_two((E2, E1, E3))
+values_at_points = values_of_two((H0, H1, H2, H3))
+six_numbers, eight_numbers = own_numbers(6), own_numbers(8)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
@@ -97,25 +101,26 @@ def element_current(I, M, W, x0, x1, h):
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
     ih = 1.0 / h
-    ax = (x1[0] - x0[0]) * ih
-    ay = (x1[1] - x0[1]) * ih
+    unknowns = six_numbers()
+    slope = eight_numbers()
+    for i in range(2):
+        unknowns[i] = (x1[i] - x0[i]) * ih
+        unknowns[2 + i] = x0[3 + i]
+        unknowns[4 + i] = x1[3 + i]
+    slopes_at_points(unknowns, slope)
     az = (x1[2] - x0[2]) * ih
-    bx = x0[3]
-    by = x0[4]
     bz = x0[5]
-    dx = x1[3]
-    dy = x1[4]
     dz = x1[5]
     for g in range(4):
-        px = ax * D2[g] + bx * D1[g] + dx * D3[g]
-        py = ay * D2[g] + by * D1[g] + dy * D3[g]
+        px = slope[g]
+        py = slope[4 + g]
         pz = az * D2[g] + bz * D1[g] + dz * D3[g]
         s = math.sqrt(px * px + py * py + pz * pz)
-        i = 1.0 / s
+        inverse = 1.0 / s
         W[G + g] = s
-        W[TX + g] = px * i
-        W[TY + g] = py * i
-        W[TZ + g] = pz * i
+        W[TX + g] = px * inverse
+        W[TY + g] = py * inverse
+        W[TZ + g] = pz * inverse
 
 
 constraints_spatial = missed_kernel(3, geometry, G)
@@ -137,18 +142,19 @@ def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
     ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    ax = (x1[0] - x0[0]) * ih2
-    ay = (x1[1] - x0[1]) * ih2
+    unknowns = six_numbers()
+    second = eight_numbers()
+    for i in range(2):
+        unknowns[i] = (x1[i] - x0[i]) * ih2
+        unknowns[2 + i] = x0[3 + i] * ih
+        unknowns[4 + i] = x1[3 + i] * ih
+    second_at_points(unknowns, second)
     az = (x1[2] - x0[2]) * ih2
-    bx = x0[3] * ih
-    by = x0[4] * ih
     bz = x0[5] * ih
-    dx = x1[3] * ih
-    dy = x1[4] * ih
     dz = x1[5] * ih
     for g in range(4):
-        yx = ax * E2[g] + bx * E1[g] + dx * E3[g]
-        yy = ay * E2[g] + by * E1[g] + dy * E3[g]
+        yx = second[g]
+        yy = second[4 + g]
         yz = az * E2[g] + bz * E1[g] + dz * E3[g]
         tx = W[TX + g]
         ty = W[TY + g]
@@ -172,39 +178,38 @@ def add_bending_forces(W, x0, x1, h, bending):
 @inlined
 def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
-    ax = v0[0]
-    ay = v0[1]
+    unknowns = eight_numbers()
+    velocity = eight_numbers()
+    acceleration = eight_numbers()
+    for i in range(2):
+        unknowns[i] = v0[i]
+        unknowns[2 + i] = h * v0[3 + i]
+        unknowns[4 + i] = v1[i]
+        unknowns[6 + i] = h * v1[3 + i]
+    values_at_points(unknowns, velocity)
+    for i in range(2):
+        unknowns[i] = a0[i]
+        unknowns[2 + i] = h * a0[3 + i]
+        unknowns[4 + i] = a1[i]
+        unknowns[6 + i] = h * a1[3 + i]
+    values_at_points(unknowns, acceleration)
     az = v0[2]
-    bx = h * v0[3]
-    by = h * v0[4]
     bz = h * v0[5]
-    cx = v1[0]
-    cy = v1[1]
     cz = v1[2]
-    dx = h * v1[3]
-    dy = h * v1[4]
     dz = h * v1[5]
-    ex = a0[0]
-    ey = a0[1]
     ez = a0[2]
-    fx = h * a0[3]
-    fy = h * a0[4]
     fz = h * a0[5]
-    gx = a1[0]
-    gy = a1[1]
     gz = a1[2]
-    hx = h * a1[3]
-    hy = h * a1[4]
     hz = h * a1[5]
     for g in range(4):
         tx = W[TX + g]
         ty = W[TY + g]
         tz = W[TZ + g]
-        ux = W[CX + g] - (ax * H0[g] + bx * H1[g] + cx * H2[g] + dx * H3[g])
-        uy = W[CY + g] - (ay * H0[g] + by * H1[g] + cy * H2[g] + dy * H3[g])
+        ux = W[CX + g] - velocity[g]
+        uy = W[CY + g] - velocity[4 + g]
         uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
-        wx = ex * H0[g] + fx * H1[g] + gx * H2[g] + hx * H3[g]
-        wy = ey * H0[g] + fy * H1[g] + gy * H2[g] + hy * H3[g]
+        wx = acceleration[g]
+        wy = acceleration[4 + g]
         wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
         root = math.sqrt(W[G + g])
         ut = ux * tx + uy * ty + uz * tz

@@ -3,14 +3,99 @@
 What a loop nest would leave to the optimiser's taste is written out here, in vectors of two.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
 _intrinsic: Any = intrinsic  # for callers, what it makes takes one argument less
+
+
+class _Pair:
+    """Two numbers side by side in code that is made: sums and products of them, in that order."""
+
+    def __init__(self, builder: Any, value: Any) -> None:
+        self.builder = builder
+        self.value = value
+
+    def __add__(self, other: _Pair) -> _Pair:
+        return _Pair(self.builder, self.builder.fadd(self.value, other.value))
+
+    def __sub__(self, other: _Pair) -> _Pair:
+        return _Pair(self.builder, self.builder.fsub(self.value, other.value))
+
+    def __mul__(self, other: _Pair) -> _Pair:
+        return _Pair(self.builder, self.builder.fmul(self.value, other.value))
+
+
+def in_pairs(formula: Callable[..., Any]) -> Any:
+    """Kernel f(count, results, arrays, numbers), of tuples: word by word of as many results what
+    the formula makes of the arrays, then the numbers; an even count of words.
+
+    A result may be one of the arrays, and otherwise none overlaps another: a loop in a kernel would
+    begin by looking whether any does, for longer than it takes with a line of few elements.
+    """
+
+    @_intrinsic
+    def loop(typing_context: Any, count: Any, results: Any, arrays: Any, numbers: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
+
+            def places(n: int) -> list[Any]:
+                kinds = signature.args[n]
+                parts = [builder.extract_value(values[n], k) for k in range(len(kinds))]
+                return [
+                    make_array(kind)(context, builder, part).data
+                    for kind, part in zip(kinds, parts, strict=True)
+                ]
+
+            def both(number: Any) -> Any:
+                vector = ir.Constant(pair, ir.Undefined)
+                for lane in range(2):
+                    index = ir.Constant(ir.IntType(32), lane)
+                    vector = builder.insert_element(vector, number, index)
+                return _Pair(builder, vector)
+
+            constants = [
+                both(builder.extract_value(values[3], k)) for k in range(len(signature.args[3]))
+            ]
+            to, start = places(1), places(2)
+            zero, two = ir.Constant(integer, 0), ir.Constant(integer, 2)
+            with cgutils.for_range_slice(builder, zero, values[0], two) as (word, _):
+
+                def place(data: Any) -> Any:
+                    return builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+
+                read = [_Pair(builder, builder.load(place(data), align=8)) for data in start]
+                found = formula(*read, *constants)
+                for result, data in zip(found, to, strict=True):
+                    builder.store(result.value, place(data), align=8)
+            return context.get_dummy_value()
+
+        return types.void(types.int64, results, arrays, numbers), generate
+
+    return loop
+
+
+def _add_term(builder: Any, total: Any, factor: float, both: Any, known: dict[float, Any]) -> Any:
+    """total (None: nothing yet) and a factor times a vector; known: products with that vector.
+
+    A product with minus a factor that is known is minus that product: it is subtracted.
+    """
+    if factor == 0.0:
+        return total
+    if factor not in known and -factor in known:
+        term = known[-factor]
+        return builder.fneg(term) if total is None else builder.fsub(total, term)
+    if factor not in known:
+        known[factor] = builder.fmul(ir.Constant(both.type, [factor, factor]), both)
+    return known[factor] if total is None else builder.fadd(total, known[factor])
 
 
 def table_product(table: Any) -> Any:
@@ -40,12 +125,11 @@ def table_product(table: Any) -> Any:
                     builder.load(place(values[2], words * m + column), align=8)
                     for m in range(len(factors[0]))
                 ]
+                known: list[dict[float, Any]] = [{} for _ in rows]
                 for e, line in enumerate(factors):
                     total = None
-                    for factor, row in zip(line, rows, strict=True):
-                        if factor != 0.0:
-                            term = builder.fmul(ir.Constant(pair, [factor, factor]), row)
-                            total = term if total is None else builder.fadd(total, term)
+                    for factor, row, terms in zip(line, rows, known, strict=True):
+                        total = _add_term(builder, total, factor, row, terms)
                     builder.store(total, place(values[1], words * e + column), align=8)
             return context.get_dummy_value()
 
@@ -116,6 +200,143 @@ def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = No
         return signature, generate
 
     return product
+
+
+def sums_of_two(table: Any, add: str) -> Any:
+    """Kernel f(x, start, out): weighted sums over two components of a vector, side by side.
+
+    table: (terms, rows), the numbers by which rows take the terms; they become constants of the
+    code. Term m of the first component is at start + m, of the second four words on; row k of both
+    is at 2 k of out. Sums replace what is there ("no"), or are added to it, term by term ("each")
+    or once they are complete ("sum").
+    """
+    factors = [[float(factor) for factor in row] for row in table]
+
+    @_intrinsic
+    def sums(typing_context: Any, vector: Any, start: Any, result: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            x, out = (
+                make_array(signature.args[n])(context, builder, values[n]).data for n in (0, 2)
+            )
+            pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
+            places = [
+                builder.bitcast(builder.gep(out, [ir.Constant(integer, 2 * k)]), pair.as_pointer())
+                for k in range(len(factors[0]))
+            ]
+            totals: list[Any] = [None for _ in places]
+            if add == "each":
+                totals = [builder.load(place, align=8) for place in places]
+            for m, line in enumerate(factors):
+                both = ir.Constant(pair, ir.Undefined)
+                for lane in range(2):
+                    word = builder.add(values[1], ir.Constant(integer, m + 4 * lane))
+                    number = builder.load(builder.gep(x, [word]))
+                    index = ir.Constant(ir.IntType(32), lane)
+                    both = builder.insert_element(both, number, index)
+                terms: dict[float, Any] = {}
+                for k, factor in enumerate(line):
+                    totals[k] = _add_term(builder, totals[k], factor, both, terms)
+            if add == "sum":
+                totals = [
+                    builder.fadd(builder.load(place, align=8), total)
+                    for place, total in zip(places, totals, strict=True)
+                ]
+            for place, total in zip(places, totals, strict=True):
+                builder.store(total, place, align=8)
+            return context.get_dummy_value()
+
+        return types.void(vector, types.int64, result), generate
+
+    return sums
+
+
+def values_of_two(tables: Any) -> Any:
+    """Kernel f(unknowns, out): two components of a function at three points, side by side.
+
+    tables: for each unknown what it has there, in the order of the sum. Unknown k has its first
+    component at the word 2 k, its second beside it. What that is at the points comes to the words
+    0, 1, 2 of out, the second component four words on; the words after them get numbers that count
+    for nothing.
+    """
+    factors = [[float(factor) for factor in table[:3]] for table in tables]
+
+    @_intrinsic
+    def values(typing_context: Any, unknowns: Any, result: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+            x, out = (
+                make_array(signature.args[n])(context, builder, given[n]).data for n in range(2)
+            )
+            pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
+
+            def place(data: Any, word: int) -> Any:
+                address = builder.gep(data, [ir.Constant(integer, word)])
+                return builder.bitcast(address, pair.as_pointer())
+
+            def lanes(first: Any, second: Any, lane: int) -> Any:
+                mask = ir.Constant(ir.VectorType(ir.IntType(32), 2), [lane, lane + 2])
+                return builder.shuffle_vector(first, second, mask)
+
+            points: list[Any] = [None] * 3
+            for k, table in enumerate(factors):
+                both = builder.load(place(x, 2 * k), align=8)
+                terms: dict[float, Any] = {}
+                for g in range(3):
+                    points[g] = _add_term(builder, points[g], table[g], both, terms)
+            for component in range(2):
+                first = lanes(points[0], points[1], component)
+                builder.store(first, place(out, 4 * component), align=8)
+                last = lanes(points[2], points[2], component)
+                builder.store(last, place(out, 4 * component + 2), align=8)
+            return context.get_dummy_value()
+
+        return types.void(unknowns, result), generate
+
+    return values
+
+
+def scatter_pairs(dimension: int, row: int) -> Any:
+    """Kernel f(W, start, above, upper, lower, below): an element's matrix into its nodes' blocks.
+
+    From the word `start` of W on stand the sixteen pairs of shape functions, `row` words each, with
+    a word for every pair of components. They are added to the blocks of the node above and of that
+    below, and replace those off the diagonal.
+    """
+    size = 2 * dimension
+    integer = ir.IntType(64)
+    vectors = [(0, 2)] if dimension == 2 else [(0, 2), (2, 1)]  # words side by side: from, how many
+
+    @_intrinsic
+    def scatter(
+        typing_context: Any, words: Any, start: Any, above: Any, upper: Any, lower: Any, below: Any
+    ) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            data = [
+                make_array(signature.args[n])(context, builder, values[n]).data
+                for n in (0, 2, 3, 4, 5)
+            ]
+            first = builder.gep(data[0], [values[1]])
+
+            def place(address: Any, word: int, count: int) -> Any:
+                kind = ir.VectorType(ir.DoubleType(), count).as_pointer()
+                return builder.bitcast(builder.gep(address, [ir.Constant(integer, word)]), kind)
+
+            for function in range(16):
+                k, l = divmod(function, 4)
+                to, adds = data[1 + 2 * (k // 2) + l // 2], k // 2 == l // 2
+                for i in range(dimension):
+                    for j, count in vectors:
+                        word = row * function + dimension * i + j
+                        value = builder.load(place(first, word, count), align=8)
+                        word = size * (dimension * (k % 2) + i) + dimension * (l % 2) + j
+                        there = place(to, word, count)
+                        if adds:
+                            value = builder.fadd(builder.load(there, align=8), value)
+                        builder.store(value, there, align=8)
+            return context.get_dummy_value()
+
+        return types.void(words, types.int64, above, upper, lower, below), generate
+
+    return scatter
 
 
 def two_products(size: int) -> Any:
