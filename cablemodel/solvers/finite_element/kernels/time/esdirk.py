@@ -22,6 +22,7 @@ from cablemodel.solvers.finite_element.kernels.line.newton import (
     increment_norm,
     refactor,
 )
+from cablemodel.solvers.finite_element.kernels.line.products import in_pairs
 from cablemodel.solvers.finite_element.kernels.line.system import (
     impose_motion,
     newton_increment,
@@ -35,7 +36,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     keep_stage_tensions,
     tension_error,
 )
-from cablemodel.solvers.finite_element.kernels.time.two_step import remember
+from cablemodel.solvers.finite_element.kernels.time.two_step import correct, remember
 from cablemodel.solvers.finite_element.kernels.water.sea_cells import begin_stage, end_stage
 from cablemodel.solvers.shared.access import header, scalars
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
@@ -50,6 +51,31 @@ STAGE_UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
+
+
+@in_pairs
+def move_on(v, q, by_a, by_v, weight):
+    """Velocities and positions with accelerations and velocities of a stage, in their share."""
+    return v + weight * by_a, q + weight * by_v
+
+
+@in_pairs
+def predict_stage(v, q, a, gamma_dt):
+    """Velocities and positions of a stage by accelerations near its own."""
+    v = v + gamma_dt * a
+    return v, q + gamma_dt * v
+
+
+@in_pairs
+def add_multiple(x, y, weight):
+    """The sum x + weight y."""
+    return (x + weight * y,)
+
+
+@in_pairs
+def sum_of_three(x, y, z, wx, wy, wz):
+    """The sum wx x + wy y + wz z."""
+    return (wx * x + wy * y + wz * z,)
 
 
 @kernel
@@ -99,10 +125,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
             # Points of elements change sides to and fro: between the two is what is looked for.
             for n in range(count):
                 x[n] *= 0.5
-        for n in range(count):
-            q[n] += x[n]
-            v[n] += inverse * x[n]
-            a[n] += inverse2 * x[n]
+        correct(count, (q, v, a), (q, v, a, x), (inverse, inverse2))
         tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
         settled = True
@@ -204,22 +227,15 @@ def try_step(I, M, dt, scheme, to_output):
         M[head.trial_tension + n] = M[head.tension + n]
     for i in range(1, stages):
         weight = dt * STAGE_A[scheme, i, 0]
-        for n in range(count):
-            base_v[n] = v[n] + weight * a[n]
-            base_q[n] = q[n] + weight * v[n]
+        move_on(count, (base_v, base_q), (v, q, a, v), (weight,))
         for j in range(1, i):
             weight = dt * STAGE_A[scheme, i, j]
             if weight != 0.0:
                 place_v, place_a = stage_words(I, j, stages)
                 stage_v = view(M, place_v, count)
                 stage_a = view(M, place_a, count)
-                for n in range(count):
-                    base_v[n] += weight * stage_a[n]
-                    base_q[n] += weight * stage_v[n]
-        for n in range(count):
-            motion = gamma_dt * trial_a[n]
-            trial_v[n] = base_v[n] + motion
-            trial_q[n] = base_q[n] + gamma_dt * (base_v[n] + motion)
+                move_on(count, (base_v, base_q), (base_v, base_q, stage_a, stage_v), (weight,))
+        predict_stage(count, (trial_v, trial_q), (base_v, base_q, trial_a), (gamma_dt,))
         last = i == stages - 1
         stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
         begin_stage(I, M)
@@ -245,14 +261,13 @@ def try_step(I, M, dt, scheme, to_output):
         weight = dt * STAGE_ERROR[scheme, i]
         place_v, _place_a = stage_words(I, i, stages)
         stage_v = view(M, place_v, count)
-        for n in range(count):
-            base_q[n] += weight * stage_v[n]
+        add_multiple(count, (base_q,), (base_q, stage_v), (weight,))
     error, where = increment_norm(I, M, base_q)
     I[head.failed] = where
     error /= tolerance * share_of_error(M, dt)
     if not error <= 1.0:
         return OK, error, PASSES_OVER
-    of_tension, along = tension_error(I, M, dt, scheme, gamma_dt, base_q)
+    of_tension, along = tension_error(I, M, dt, scheme, gamma_dt, base_q, error)
     return OK, max(error, of_tension), along
 
 
@@ -271,8 +286,7 @@ def accept_trial(I, M, dt, scheme):
     inner = view(M, head.stage_tension, 2 * head.nodes)
     final = view(M, head.trial_tension, 2 * head.nodes)
     rate = view(M, head.tension_rate, 2 * head.nodes)
-    for n in range(2 * head.nodes):
-        rate[n] = w0 * tension[n] + wc * inner[n] + w1 * final[n]
+    sum_of_three(2 * head.nodes, (rate,), (tension, inner, final), (w0, wc, w1))
     for node in range(1, head.nodes):
         state.largest_tension = max(state.largest_tension, abs(final[2 * node]))
     state.last_step = dt

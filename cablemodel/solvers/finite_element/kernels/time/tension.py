@@ -31,6 +31,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     material_stretch_rate,
     newton_increment,
     recover_tension,
+    remembers,
     residual,
     set_time,
 )
@@ -165,16 +166,23 @@ def filter_motion(I, M, motion, gamma_dt):
 
 
 @outlined
-def find_embedded_errors(I, M, error, gamma_dt):
-    """Errors of the watched tensions by the embedded solution, for `embedded_error`.
+def find_embedded_errors(I, M, error, gamma_dt, bound):
+    """Errors of the watched tensions by the embedded solution, for `embedded_error`; returns
+    whether it is left out how much of them lasts: no error is above `bound` [tolerances].
 
     error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
     """
     head = header(I)
     filter_motion(I, M, error, gamma_dt)
+    largest = 0.0
     for node in range(1, watched(I)):
-        M[head.stage_tensions + 6 * node + 5] = M[head.stage_velocity + 2 * node]
+        left = M[head.stage_velocity + 2 * node]
+        M[head.stage_tensions + 6 * node + 5] = left
+        largest = max(largest, abs(left) / allowed_at(I, M, node))
+    if largest <= bound:
+        return True
     filter_motion(I, M, error, gamma_dt)
+    return False
 
 
 @kernel
@@ -589,12 +597,13 @@ def solves(I, M, dt, scatter):
 
 
 @kernel
-def tension_error(I, M, dt, scheme, gamma_dt, error):
+def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
     """Error of the watched tensions of a step from the state to the trial [tolerances], and what
     the step does along the line: PASSES_OVER, FOLLOWS, or SOLVED, for which see `take_solved`.
     Nothing is solved for in a system.
 
-    error: of the positions, (nodes, 2, dimension) [m].
+    error: of the positions, (nodes, 2, dimension) [m]. of_positions: that over what is allowed;
+    what is no more than that is not told exactly.
     """
     head = header(I)
     state = scalars(M)
@@ -612,7 +621,14 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
             return 0.0, FOLLOWS
     if head.parts == 0 and dies_away(M):
         return 0.0, SOLVED if solves(I, M, dt, scatter) else PASSES_OVER
-    find_embedded_errors(I, M, error, gamma_dt)
+    follows = head.rings + head.axial_waves != 0
+    follows = follows or bend_of_tension(I, M, dt) / (state.axial * dt * dt) > SOLVED_FROM
+    bound = -1.0
+    if head.parts == 0 and scatter <= of_positions and not remembers(I):
+        if follows or (head.settled == 0 and scatter <= SOLVED_FROM):
+            bound = TENSION_SHARE * of_positions
+    if find_embedded_errors(I, M, error, gamma_dt, bound):
+        return of_positions, FOLLOWS if follows else PASSES_OVER
     share = 0.0
     lasting = 0.0
     forgotten = 0.0
@@ -631,8 +647,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error):
         if at_once:
             return min(TENSION_STAYS, missed), FOLLOWS
         return missed, MISSES if missed > 1.0 else PASSES_OVER
-    unseen = bend_of_tension(I, M, dt) / (state.axial * dt * dt)
-    if share > STIFF or unseen > SOLVED_FROM or head.rings + head.axial_waves != 0:
+    if share > STIFF or follows:
         return max(lasting, forgotten), FOLLOWS
     settled = head.settled != 0 and begins_smoothly(I, M)
     if (settled or forgotten > SOLVED_FROM) and lasting <= 1.0 and solves(I, M, dt, scatter):

@@ -19,6 +19,7 @@ from cablemodel.solvers.finite_element.kernels.line.newton import (
     increment_norm,
     refactor,
 )
+from cablemodel.solvers.finite_element.kernels.line.products import in_pairs
 from cablemodel.solvers.finite_element.kernels.line.system import (
     impose_motion,
     newton_increment,
@@ -37,6 +38,26 @@ SHORTEST_WAIT, LONGEST_WAIT = 4, 64  # steps by the one-step scheme after a refu
 CHECK = 16  # steps between measurements of the convergence ratio
 BDF_MOST_ITERATIONS = 4
 STALE = 0.25  # convergence ratio that asks for a new factorisation
+
+
+@in_pairs
+def predict(q0, v0, a0, q1, v1, dt, half, b0, b1, b2):
+    """Positions by the state's motion; velocities and accelerations that the formula has there."""
+    q = q0 + dt * v0 + half * a0
+    v = b0 * q + b1 * q0 + b2 * q1
+    return q, v, b0 * v + b1 * v0 + b2 * v1
+
+
+@in_pairs
+def correct(q, v, a, x, b, square):
+    """Motion with an increment x of the positions, of which v has b times as much, a its square."""
+    return q + x, v + b * x, a + square * x
+
+
+@in_pairs
+def change_over(after, before, inverse):
+    """Rate of what has changed in a step of 1 / inverse, and what it is now."""
+    return (after - before) * inverse, after
 
 
 @kernel
@@ -118,10 +139,7 @@ def try_two_step(I, M, dt):
     b1 = -(1.0 + rho) / dt
     b2 = rho * rho / ((1.0 + rho) * dt)
     half = 0.5 * dt * dt
-    for n in range(count):
-        q[n] = q0[n] + dt * v0[n] + half * a0[n]
-        v[n] = b0 * q[n] + b1 * q0[n] + b2 * q1[n]
-        a[n] = b0 * v[n] + b1 * v0[n] + b2 * v1[n]
+    predict(count, (q, v, a), (q0, v0, a0, q1, v1), (dt, half, b0, b1, b2))
     for n in range(2 * nodes):
         tension[n] = t0[n] + dt * rate[n]
     set_time(I, M, state.time + dt)
@@ -150,10 +168,7 @@ def try_two_step(I, M, dt):
         moved += size
         if not 0.5 * moved <= LARGEST_ERROR * tolerance:
             return refuse(I)
-        for n in range(count):
-            q[n] += x[n]
-            v[n] += b0 * x[n]
-            a[n] += b0 * b0 * x[n]
+        correct(count, (q, v, a), (q, v, a, x), (b0, b0 * b0))
         tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
         largest = 0.0
@@ -215,9 +230,7 @@ def accept_two_step(I, M, dt):
     after = view(M, head.trial_tension, 2 * head.nodes)
     rate = view(M, head.tension_rate, 2 * head.nodes)
     inverse = 1.0 / dt
-    for n in range(2 * head.nodes):
-        rate[n] = (after[n] - before[n]) * inverse
-        before[n] = after[n]
+    change_over(2 * head.nodes, (rate, before), (after, before), (inverse,))
     copy_words(I, head.position, head.trial_position, count)
     copy_words(I, head.velocity, head.trial_velocity, count)
     copy_words(I, head.acceleration, head.trial_acceleration, count)
