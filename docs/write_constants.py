@@ -35,12 +35,11 @@ WORDS = {
         "E0 E1 E2 E3 E4 E5 E6 E7 E8 E9"
     ),
     "solvers/finite_element/kernels/element/element_planar.py": (
-        "R CX CZ G TX TZ FX FZ PX PZ QX QZ TT TN NT NN JACOBIAN ROWS ROWS_00 ROWS_01 "
-        "SUM_D SUM_H SUM_HD"
+        "R CX CZ G TX TZ FX FZ PX PZ QX QZ TT TN NT NN JACOBIAN ROWS SUMS"
     ),
     "solvers/finite_element/kernels/element/element_spatial.py": (
         "AX CX CY CZ G TX TY TZ FX FY FZ PX PY PZ QX QY QZ ROWS ROWS_00 ROWS_01 ROWS_12 "
-        "ROWS_21 ROWS_22 SUM_D SUM_H SUM_HD"
+        "ROWS_21 ROWS_22 SUMS"
     ),
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",

@@ -7,21 +7,20 @@ curvature k is a number and P = n n^T, which saves a root and most of the produc
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.assembly import (
+    jacobian_kernel,
+    residual_kernel,
+)
+from cablemodel.solvers.finite_element.kernels.element.cubic import cubic_kernels, eight_numbers
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
     force_kernel,
     gradient_kernel,
-    invert_compliance,
     missed_kernel,
     pair_kernels,
-    strain_missed,
-    third_tension,
 )
 from cablemodel.solvers.finite_element.kernels.element.tables import (
-    D1,
-    D2,
-    D3,
     E0,
     E1,
     E2,
@@ -30,26 +29,13 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     H1,
     H2,
     H3,
-    LINES_D,
-    LINES_DE,
-    LINES_H,
-    LINES_HD,
-    MASS_PAIRS,
     P1,
     P2,
 )
-from cablemodel.solvers.finite_element.kernels.line.products import table_product, values_of_two
-from cablemodel.solvers.finite_element.kernels.water.waves import (
-    element_water,
-    wave_loads,
-    wet_rows,
-)
-from cablemodel.solvers.shared.access import edge_of, header, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
+from cablemodel.solvers.finite_element.kernels.line.products import values_of_two
+from cablemodel.solvers.shared.access import vector
+from cablemodel.solvers.shared.compile import inlined, own_numbers
 from cablemodel.solvers.shared.environment import current_at
-from cablemodel.solvers.shared.layout import (
-    GAUSS_WORDS,
-)
 
 # Slots of four words in the Gauss workspace.
 CX, CZ = 0, 4  # water velocity
@@ -61,24 +47,15 @@ TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
 JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
 # Rows of four words: the pairs of components xx, xz, zx, zz.
 ROWS = JACOBIAN + 96  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
-ROWS_00, ROWS_01 = ROWS + 48, ROWS + 60
-SUM_D = ROWS + 72  # sums over the Gauss points: the six pairs of PAIRS_D,
-SUM_H = SUM_D + 24  # the ten of PAIRS_H,
-SUM_HD = SUM_H + 40  # the twelve of PAIRS_HD
+SUMS = ROWS + 72  # over the Gauss points: see element_pairs.py
 
-_product_d = table_product(LINES_D)
-_product_de = table_product(LINES_DE)
-_product_h = table_product(LINES_H)
-_product_hd = table_product(LINES_HD)
-constraint_gradient, add_tension, combine, scatter = pair_kernels(2, 4, TX, SUM_D)
+PAIRS = pair_kernels(2, 4, TX, SUMS)
 add_forces = force_kernel(2, FX, PX, QX)
 with_damping = damping_kernel(2, TX)
-slopes_at_points = values_of_two((D2, D1, D3))
-second_at_points = values_of_two((E2, E1, E3))
+slopes_at_points, second_at_points, values_at_points = cubic_kernels(2)
 second_of_all = values_of_two((E0, E1, E2, E3))
-values_at_points = values_of_two((H0, H1, H2, H3))
 by_places, by_slopes = values_of_two((H0, H2)), values_of_two((H1, H3))
-four_numbers, six_numbers, eight_numbers = own_numbers(4), own_numbers(6), own_numbers(8)
+four_numbers = own_numbers(4)
 condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
@@ -96,14 +73,8 @@ def element_current(I, M, W, x0, x1, h):
 @inlined
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
-    ih = 1.0 / h
-    unknowns = six_numbers()
     slope = eight_numbers()
-    for i in range(2):
-        unknowns[i] = (x1[i] - x0[i]) * ih
-        unknowns[2 + i] = x0[2 + i]
-        unknowns[4 + i] = x1[2 + i]
-    slopes_at_points(unknowns, slope)
+    slopes_at_points(x0, x1, h, slope)
     for g in range(4):
         px = slope[g]
         pz = slope[4 + g]
@@ -115,7 +86,7 @@ def geometry(W, x0, x1, h):
 
 
 constraints_planar = missed_kernel(2, geometry, G)
-gradients_planar = gradient_kernel(2, geometry, constraint_gradient)
+gradients_planar = gradient_kernel(2, geometry, PAIRS[0])
 
 
 @inlined
@@ -130,15 +101,9 @@ def axial_forces(W, t0, t1, t2):
 @inlined
 def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
-    ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    unknowns = six_numbers()
     second = eight_numbers()
-    for i in range(2):
-        unknowns[i] = (x1[i] - x0[i]) * ih2
-        unknowns[2 + i] = x0[2 + i] * ih
-        unknowns[4 + i] = x1[2 + i] * ih
-    second_at_points(unknowns, second)
+    second_at_points(x0, x1, h, second)
     for g in range(4):
         yx = second[g]
         yz = second[4 + g]
@@ -157,21 +122,10 @@ def add_bending_forces(W, x0, x1, h, bending):
 @inlined
 def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
-    unknowns = eight_numbers()
     velocity = eight_numbers()
     acceleration = eight_numbers()
-    for i in range(2):
-        unknowns[i] = v0[i]
-        unknowns[2 + i] = h * v0[2 + i]
-        unknowns[4 + i] = v1[i]
-        unknowns[6 + i] = h * v1[2 + i]
-    values_at_points(unknowns, velocity)
-    for i in range(2):
-        unknowns[i] = a0[i]
-        unknowns[2 + i] = h * a0[2 + i]
-        unknowns[4 + i] = a1[i]
-        unknowns[6 + i] = h * a1[2 + i]
-    values_at_points(unknowns, acceleration)
+    values_at_points(v0, v1, h, velocity)
+    values_at_points(a0, a1, h, acceleration)
     for g in range(4):
         tx = W[TX + g]
         tz = W[TZ + g]
@@ -186,76 +140,6 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         across = root * cn * abs(un) * un
         W[FX + g] = h * (across * tz - along * tx)
         W[FZ + g] = -h * (across * tx + along * tz)
-
-
-@kernel
-def residual_planar(I, M, q, v, a, tension, out, out_constraint):
-    """Residual of all elements: out (nodes, 4), out_constraint (nodes, 2); see residual_spatial."""
-    head = header(I)
-    W = view(M, head.gauss, GAUSS_WORDS)
-    nodes = head.nodes
-    drag = head.drag
-    sheared = head.depth_count > 1
-    waves = head.wave_count
-    ends = view(M, head.end_force, 4 * nodes)
-    joints = view(I, head.joint, nodes)
-    parents = view(I, head.parent, nodes)
-    out[0 : 4 * nodes] = 0.0
-    for node in range(1, nodes):
-        if joints[node] != 0:
-            out_constraint[2 * node] = 0.0
-            out_constraint[2 * node + 1] = 0.0
-            continue
-        parent = parents[node]
-        e = edge_of(I, M, node)
-        edge = e
-        h = edge.length
-        bending = edge.bending
-        x0 = view(q, 4 * parent, 4)
-        x1 = view(q, 4 * node, 4)
-        v0 = view(v, 4 * parent, 4)
-        v1 = view(v, 4 * node, 4)
-        a0 = view(a, 4 * parent, 4)
-        a1 = view(a, 4 * node, 4)
-        geometry(W, x0, x1, h)
-        t0 = tension[2 * node]
-        t1 = tension[2 * node + 1]
-        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
-        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
-
-        r0, r1 = strain_missed(M, W, G, edge, t0, t1)
-        out_constraint[2 * node] = h * r0
-        out_constraint[2 * node + 1] = h * r1
-
-        if bending != 0.0:
-            add_bending_forces(W, x0, x1, h, bending)
-        if waves != 0:
-            wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
-        elif drag != 0:
-            if sheared:
-                element_current(I, M, W, x0, x1, h)
-            load_forces(
-                W,
-                v0,
-                v1,
-                a0,
-                a1,
-                h,
-                edge.drag_normal,
-                edge.drag_tangential,
-                edge.added_mass,
-            )
-
-        add_forces(
-            W,
-            edge,
-            a0,
-            a1,
-            drag,
-            view(out, 4 * parent, 4),
-            view(out, 4 * node, 4),
-            view(ends, 4 * node, 4),
-        )
 
 
 @inlined
@@ -352,103 +236,6 @@ def tangent_matrices(
         W[j + 16 + NN] = -ig * (ft * ut - 2.0 * fn * ut + added * at)
 
 
-@kernel
-def jacobian_planar(I, M, q, v, a, tension, ca, cv):
-    """Blocks of the effective Jacobian with T condensed out; see jacobian_spatial."""
-    head = header(I)
-    W = view(M, head.gauss, GAUSS_WORDS)
-    nodes = head.nodes
-    drag = head.drag
-    sheared = head.depth_count > 1
-    waves = head.wave_count
-    diagonal = view(M, head.diagonal, 16 * nodes)
-    upper = view(M, head.upper, 16 * nodes)
-    lower = view(M, head.lower, 16 * nodes)
-    joints = view(I, head.joint, nodes)
-    parents = view(I, head.parent, nodes)
-    diagonal[:] = 0.0
-    for node in range(1, nodes):
-        if joints[node] != 0:
-            continue
-        parent = parents[node]
-        e = edge_of(I, M, node)
-        edge = e
-        h = edge.length
-        bending = edge.bending
-        x0 = view(q, 4 * parent, 4)
-        x1 = view(q, 4 * node, 4)
-        a0 = view(a, 4 * parent, 4)
-        a1 = view(a, 4 * node, 4)
-        v0 = view(v, 4 * parent, 4)
-        v1 = view(v, 4 * node, 4)
-        geometry(W, x0, x1, h)
-        if waves != 0:
-            element_water(I, M, W, e, x0, x1)
-        elif drag != 0 and sheared:
-            element_current(I, M, W, x0, x1, h)
-        t0 = tension[2 * node]
-        t1 = tension[2 * node + 1]
-        eas = edge.stabilisation
-        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
-        tangent_matrices(
-            W,
-            x0,
-            x1,
-            v0,
-            v1,
-            a0,
-            a1,
-            h,
-            pull0,
-            pull1,
-            third_tension(W, G, edge),
-            bending,
-            drag,
-            edge.drag_normal,
-            edge.drag_tangential,
-            edge.added_mass,
-            ca,
-            cv,
-        )
-
-        constraint_gradient(W, h, view(M, head.gradient + 16 * node, 16))
-        stiffness = view(M, head.compliance + 3 * node, 3)
-        s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
-        s22 = 5.0 * eas / h
-        s00 += cv * edge.damping / h
-        s01 += cv * edge.damping_01 / h
-        s11 += cv * edge.damping_11 / h
-
-        spread_components(W, bending != 0.0, drag != 0)
-        if waves != 0:
-            wet_rows(I, M, W, e, ROWS_00, ROWS_01, 4, ca)
-        if bending != 0.0:
-            _product_de(W, SUM_D, ROWS, 4)
-        else:
-            _product_d(W, SUM_D, ROWS, 4)
-        add_tension(W, s00, s01, s11, s22)
-        if drag != 0:
-            _product_h(W, SUM_H, ROWS_00, 4)
-            _product_hd(W, SUM_HD, ROWS_01, 4)
-        else:
-            for n in range(40):
-                W[SUM_H + n] = 0.0
-            for n in range(48):
-                W[SUM_HD + n] = 0.0
-        mass = ca * edge.mass * h
-        for n in range(10):
-            W[SUM_H + 4 * n] += mass * MASS_PAIRS[n]
-            W[SUM_H + 4 * n + 3] += mass * MASS_PAIRS[n]
-        combine(W, h)
-        scatter(
-            W,
-            view(diagonal, 16 * parent, 16),
-            view(upper, 16 * node, 16),
-            view(lower, 16 * node, 16),
-            view(diagonal, 16 * node, 16),
-        )
-
-
 @inlined
 def spread_components(W, bends, drags):
     """Tangent matrices from (t, n) to rows of component pairs."""
@@ -510,3 +297,30 @@ def spread_components(W, bends, drags):
             W[row + 61] = (tt - nn) * xz + tn * xx - nt * zz
             W[row + 62] = (tt - nn) * xz + nt * xx - tn * zz
             W[row + 63] = tt * zz + (tn + nt) * xz + nn * xx
+
+
+@inlined
+def tangent_rows(
+    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+):
+    """Jacobians of the forces at the Gauss points as rows of component pairs."""
+    tangent_matrices(
+        W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+    )
+    spread_components(W, bending != 0.0, drag != 0)
+
+
+residual_planar = residual_kernel(
+    2,
+    G,
+    geometry,
+    element_current,
+    with_damping,
+    axial_forces,
+    add_bending_forces,
+    load_forces,
+    add_forces,
+)
+jacobian_planar = jacobian_kernel(
+    2, 4, G, ROWS, SUMS, geometry, element_current, with_damping, tangent_rows, PAIRS
+)

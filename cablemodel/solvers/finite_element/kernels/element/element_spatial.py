@@ -11,16 +11,18 @@ water relative to the cable. In comments g = |r'|, y = r'', P = I - t t^T, k = P
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.assembly import (
+    jacobian_kernel,
+    residual_kernel,
+)
+from cablemodel.solvers.finite_element.kernels.element.cubic import cubic_kernels, eight_numbers
 from cablemodel.solvers.finite_element.kernels.element.damping import damping_kernel
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     constraint_kernels,
     force_kernel,
     gradient_kernel,
-    invert_compliance,
     missed_kernel,
     pair_kernels,
-    strain_missed,
-    third_tension,
 )
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     D1,
@@ -34,26 +36,12 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     H1,
     H2,
     H3,
-    LINES_D,
-    LINES_DE,
-    LINES_H,
-    LINES_HD,
-    MASS_PAIRS,
     P1,
     P2,
 )
-from cablemodel.solvers.finite_element.kernels.line.products import table_product, values_of_two
-from cablemodel.solvers.finite_element.kernels.water.waves import (
-    element_water,
-    wave_loads,
-    wet_rows,
-)
-from cablemodel.solvers.shared.access import edge_of, header, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
+from cablemodel.solvers.shared.access import vector
+from cablemodel.solvers.shared.compile import inlined
 from cablemodel.solvers.shared.environment import current_at
-from cablemodel.solvers.shared.layout import (
-    GAUSS_WORDS,
-)
 
 TINY = 1e-30  # keeps |u_n| from dividing by zero
 
@@ -67,21 +55,12 @@ QX, QY, QZ = 52, 56, 60  # conjugate to r'', over h
 ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
 ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
 ROWS_00, ROWS_01 = ROWS + 120, ROWS + 150
-SUM_D = ROWS + 180  # sums over the Gauss points: the six pairs of PAIRS_D,
-SUM_H = SUM_D + 60  # the ten of PAIRS_H,
-SUM_HD = SUM_H + 100  # the twelve of PAIRS_HD
+SUMS = ROWS + 180  # over the Gauss points: see element_pairs.py
 
-_product_d = table_product(LINES_D)
-_product_de = table_product(LINES_DE)
-_product_h = table_product(LINES_H)
-_product_hd = table_product(LINES_HD)
-constraint_gradient, add_tension, combine, scatter = pair_kernels(3, 10, TX, SUM_D)
+PAIRS = pair_kernels(3, 10, TX, SUMS)
 add_forces = force_kernel(3, FX, PX, QX)
 with_damping = damping_kernel(3, TX)
-slopes_at_points = values_of_two((D2, D1, D3))
-second_at_points = values_of_two((E2, E1, E3))
-values_at_points = values_of_two((H0, H1, H2, H3))
-six_numbers, eight_numbers = own_numbers(6), own_numbers(8)
+slopes_at_points, second_at_points, values_at_points = cubic_kernels(3)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
@@ -100,15 +79,9 @@ def element_current(I, M, W, x0, x1, h):
 @inlined
 def geometry(W, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
-    ih = 1.0 / h
-    unknowns = six_numbers()
     slope = eight_numbers()
-    for i in range(2):
-        unknowns[i] = (x1[i] - x0[i]) * ih
-        unknowns[2 + i] = x0[3 + i]
-        unknowns[4 + i] = x1[3 + i]
-    slopes_at_points(unknowns, slope)
-    az = (x1[2] - x0[2]) * ih
+    slopes_at_points(x0, x1, h, slope)
+    az = (x1[2] - x0[2]) * (1.0 / h)
     bz = x0[5]
     dz = x1[5]
     for g in range(4):
@@ -124,7 +97,7 @@ def geometry(W, x0, x1, h):
 
 
 constraints_spatial = missed_kernel(3, geometry, G)
-gradients_spatial = gradient_kernel(3, geometry, constraint_gradient)
+gradients_spatial = gradient_kernel(3, geometry, PAIRS[0])
 
 
 @inlined
@@ -140,16 +113,10 @@ def axial_forces(W, t0, t1, t2):
 @inlined
 def add_bending_forces(W, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
-    ih2 = 1.0 / (h * h)
     ih = 1.0 / h
-    unknowns = six_numbers()
     second = eight_numbers()
-    for i in range(2):
-        unknowns[i] = (x1[i] - x0[i]) * ih2
-        unknowns[2 + i] = x0[3 + i] * ih
-        unknowns[4 + i] = x1[3 + i] * ih
-    second_at_points(unknowns, second)
-    az = (x1[2] - x0[2]) * ih2
+    second_at_points(x0, x1, h, second)
+    az = (x1[2] - x0[2]) * (1.0 / (h * h))
     bz = x0[5] * ih
     dz = x1[5] * ih
     for g in range(4):
@@ -178,21 +145,10 @@ def add_bending_forces(W, x0, x1, h, bending):
 @inlined
 def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
-    unknowns = eight_numbers()
     velocity = eight_numbers()
     acceleration = eight_numbers()
-    for i in range(2):
-        unknowns[i] = v0[i]
-        unknowns[2 + i] = h * v0[3 + i]
-        unknowns[4 + i] = v1[i]
-        unknowns[6 + i] = h * v1[3 + i]
-    values_at_points(unknowns, velocity)
-    for i in range(2):
-        unknowns[i] = a0[i]
-        unknowns[2 + i] = h * a0[3 + i]
-        unknowns[4 + i] = a1[i]
-        unknowns[6 + i] = h * a1[3 + i]
-    values_at_points(unknowns, acceleration)
+    values_at_points(v0, v1, h, velocity)
+    values_at_points(a0, a1, h, acceleration)
     az = v0[2]
     bz = h * v0[5]
     cz = v1[2]
@@ -222,82 +178,6 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         W[FX + g] = -h * (fn * nx + along * tx)
         W[FY + g] = -h * (fn * ny + along * ty)
         W[FZ + g] = -h * (fn * nz + along * tz)
-
-
-@kernel
-def residual_spatial(I, M, q, v, a, tension, out, out_constraint):
-    """Residual of all elements: forces conjugate to (r, d) and constraint residuals.
-
-    out: (nodes, 6); out_constraint: (nodes, 2).
-
-    out is set to zero first; residual = inertia + internal forces - loads, so the force that a
-    support must exert is the residual at its node.
-    """
-    head = header(I)
-    W = view(M, head.gauss, GAUSS_WORDS)
-    nodes = head.nodes
-    drag = head.drag
-    sheared = head.depth_count > 1
-    waves = head.wave_count
-    ends = view(M, head.end_force, 6 * nodes)
-    joints = view(I, head.joint, nodes)
-    parents = view(I, head.parent, nodes)
-    out[0 : 6 * nodes] = 0.0
-    for node in range(1, nodes):
-        if joints[node] != 0:
-            out_constraint[2 * node] = 0.0
-            out_constraint[2 * node + 1] = 0.0
-            continue
-        parent = parents[node]
-        e = edge_of(I, M, node)
-        edge = e
-        h = edge.length
-        bending = edge.bending
-        x0 = view(q, 6 * parent, 6)
-        x1 = view(q, 6 * node, 6)
-        v0 = view(v, 6 * parent, 6)
-        v1 = view(v, 6 * node, 6)
-        a0 = view(a, 6 * parent, 6)
-        a1 = view(a, 6 * node, 6)
-        geometry(W, x0, x1, h)
-        t0 = tension[2 * node]
-        t1 = tension[2 * node + 1]
-        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
-        axial_forces(W, pull0, pull1, third_tension(W, G, edge))
-
-        r0, r1 = strain_missed(M, W, G, edge, t0, t1)
-        out_constraint[2 * node] = h * r0
-        out_constraint[2 * node + 1] = h * r1
-
-        if bending != 0.0:
-            add_bending_forces(W, x0, x1, h, bending)
-        if waves != 0:
-            wave_loads(I, M, W, e, x0, x1, v0, v1, a0, a1)
-        elif drag != 0:
-            if sheared:
-                element_current(I, M, W, x0, x1, h)
-            load_forces(
-                W,
-                v0,
-                v1,
-                a0,
-                a1,
-                h,
-                edge.drag_normal,
-                edge.drag_tangential,
-                edge.added_mass,
-            )
-
-        add_forces(
-            W,
-            edge,
-            a0,
-            a1,
-            drag,
-            view(out, 6 * parent, 6),
-            view(out, 6 * node, 6),
-            view(ends, 6 * node, 6),
-        )
 
 
 @inlined
@@ -511,103 +391,17 @@ def rank_one(W, row, c, t0, t1, t2):
     W[row + 8] = c + c2 * t2
 
 
-@kernel
-def jacobian_spatial(I, M, q, v, a, tension, ca, cv):
-    """Blocks of d residual/d q + cv d residual/d v + ca d residual/d a, with T condensed out.
-
-    Fills, for every element, its share of the diagonal blocks of both nodes, the two off-diagonal
-    blocks, the gradient B of its constraint (2, 12) and the inverse of the compliance (3).
-    """
-    head = header(I)
-    W = view(M, head.gauss, GAUSS_WORDS)
-    nodes = head.nodes
-    drag = head.drag
-    sheared = head.depth_count > 1
-    waves = head.wave_count
-    diagonal = view(M, head.diagonal, 36 * nodes)
-    upper = view(M, head.upper, 36 * nodes)
-    lower = view(M, head.lower, 36 * nodes)
-    joints = view(I, head.joint, nodes)
-    parents = view(I, head.parent, nodes)
-    diagonal[:] = 0.0
-    for node in range(1, nodes):
-        if joints[node] != 0:
-            continue
-        parent = parents[node]
-        e = edge_of(I, M, node)
-        edge = e
-        h = edge.length
-        bending = edge.bending
-        x0 = view(q, 6 * parent, 6)
-        x1 = view(q, 6 * node, 6)
-        a0 = view(a, 6 * parent, 6)
-        a1 = view(a, 6 * node, 6)
-        v0 = view(v, 6 * parent, 6)
-        v1 = view(v, 6 * node, 6)
-        geometry(W, x0, x1, h)
-        if waves != 0:
-            element_water(I, M, W, e, x0, x1)
-        elif drag != 0 and sheared:
-            element_current(I, M, W, x0, x1, h)
-        t0 = tension[2 * node]
-        t1 = tension[2 * node + 1]
-        eas = edge.stabilisation
-        pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
-        tangent_matrices(
-            W,
-            x0,
-            x1,
-            v0,
-            v1,
-            a0,
-            a1,
-            h,
-            pull0,
-            pull1,
-            third_tension(W, G, edge),
-            bending,
-            drag,
-            edge.drag_normal,
-            edge.drag_tangential,
-            edge.added_mass,
-            ca,
-            cv,
-        )
-
-        # Gradient of the constraints, and the compliance.
-        constraint_gradient(W, h, view(M, head.gradient + 24 * node, 24))
-        stiffness = view(M, head.compliance + 3 * node, 3)
-        s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
-        s22 = 5.0 * eas / h
-        s00 += cv * edge.damping / h
-        s01 += cv * edge.damping_01 / h
-        s11 += cv * edge.damping_11 / h
-
-        if waves != 0:
-            wet_rows(I, M, W, e, ROWS_00, ROWS_01, 10, ca)
-        if bending != 0.0:
-            _product_de(W, SUM_D, ROWS, 10)
-        else:
-            _product_d(W, SUM_D, ROWS, 10)
-        add_tension(W, s00, s01, s11, s22)
-        if drag != 0:
-            _product_h(W, SUM_H, ROWS_00, 10)
-            _product_hd(W, SUM_HD, ROWS_01, 10)
-        else:
-            for n in range(100):
-                W[SUM_H + n] = 0.0
-            for n in range(120):
-                W[SUM_HD + n] = 0.0
-        mass = ca * edge.mass * h
-        for n in range(10):
-            W[SUM_H + 10 * n] += mass * MASS_PAIRS[n]
-            W[SUM_H + 10 * n + 4] += mass * MASS_PAIRS[n]
-            W[SUM_H + 10 * n + 8] += mass * MASS_PAIRS[n]
-        combine(W, h)
-        scatter(
-            W,
-            view(diagonal, 36 * parent, 36),
-            view(upper, 36 * node, 36),
-            view(lower, 36 * node, 36),
-            view(diagonal, 36 * node, 36),
-        )
+residual_spatial = residual_kernel(
+    3,
+    G,
+    geometry,
+    element_current,
+    with_damping,
+    axial_forces,
+    add_bending_forces,
+    load_forces,
+    add_forces,
+)
+jacobian_spatial = jacobian_kernel(
+    3, 10, G, ROWS, SUMS, geometry, element_current, with_damping, tangent_matrices, PAIRS
+)
