@@ -12,6 +12,7 @@ from cablemodel.errors import SceneError
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE, DEPTH
 from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.curves import bends
 from cablemodel.solvers.shared.layout import Header, Scalars
 
 if TYPE_CHECKING:
@@ -212,10 +213,7 @@ def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
     """Largest second derivative along x of the cubics with these values and slopes."""
     if len(x) < 2:
         return 0.0
-    h = np.diff(x)[:, None]
-    chord = np.diff(z, axis=0) / h
-    first = (6.0 * chord - 4.0 * slope[:-1] - 2.0 * slope[1:]) / h
-    last = (2.0 * slope[:-1] + 4.0 * slope[1:] - 6.0 * chord) / h
+    first, last = bends(z, slope, np.diff(x))
     return float(max(np.abs(first).max(), np.abs(last).max()))
 
 

@@ -1,6 +1,7 @@
 """A cubic Hermite element at its Gauss points: two components side by side.
 
-Of three components the last goes without a companion, in the formulas of the element itself.
+Of three components the last goes without a companion, in the formulas of the element itself. And
+r'' at the ends of one.
 """
 
 from typing import Any
@@ -22,6 +23,18 @@ from cablemodel.solvers.shared.compile import inlined, own_numbers
 
 six_numbers, eight_numbers = own_numbers(6), own_numbers(8)
 """eight_numbers(): two components, four words each, at three Gauss points and one that is none."""
+
+
+@inlined
+def bend_at_begin(six_chords, d0, d1):
+    """h r'' of a cubic of length h where it begins: by six times (r1 - r0) / h, and its slopes."""
+    return six_chords - 4.0 * d0 - 2.0 * d1
+
+
+@inlined
+def bend_at_end(six_chords, d0, d1):
+    """The same where it ends."""
+    return 2.0 * d0 + 4.0 * d1 - six_chords
 
 
 def cubic_kernels(dimension: int) -> tuple[Any, Any, Any]:

@@ -13,6 +13,7 @@ the nodal rates the element is computed like any other one. Elements are split a
 steps; splitting a cubic is exact, in position, velocity, acceleration and tension.
 """
 
+from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
 from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, tensions_of_both
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
@@ -174,15 +175,15 @@ def material_at(I, M, n, q, v, a):
         d0 = way * q[near + dimension + i]
         r1 = q[far + i]
         d1 = way * q[far + dimension + i]
-        second = (6.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
+        second = bend_at_begin(6.0 * (r1 - r0) * ih, d0, d1) * ih
         third = (12.0 * (r0 - r1) * ih + 6.0 * d0 + 6.0 * d1) * ih * ih
         v0 = v[near + i]
         w0 = way * v[near + dimension + i]
         v1 = v[far + i]
         w1 = way * v[far + dimension + i]
         # Time derivative of r''(0): h grows at the rate, which acts on the difference of r only.
-        second_rate = (6.0 * (v1 - v0) * ih - 4.0 * w0 - 2.0 * w1) * ih
-        second_rate -= rate * ih * (12.0 * (r1 - r0) * ih - 4.0 * d0 - 2.0 * d1) * ih
+        second_rate = bend_at_begin(6.0 * (v1 - v0) * ih, w0, w1) * ih
+        second_rate -= rate * ih * bend_at_begin(12.0 * (r1 - r0) * ih, d0, d1) * ih
         matter.velocity[i] = v0 + rate * d0
         matter.velocity[dimension + i] = way * (w0 + rate * second)
         acceleration = a[near + i] + 2.0 * rate * w0 + slope * d0 + rate * rate * second

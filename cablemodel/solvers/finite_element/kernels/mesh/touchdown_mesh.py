@@ -9,6 +9,7 @@ docs/engine.md, "Sea floor".
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin, bend_at_end
 from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.tables import CONTACT_POINTS, CONTACT_WEIGHTS
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
@@ -81,9 +82,9 @@ def second_derivative(I, M, node, side, out):
         d0 = M[p + dimension + i]
         d1 = M[q + dimension + i]
         if side == 0:
-            out[i] = (6.0 * chord - 4.0 * d0 - 2.0 * d1) / h
+            out[i] = bend_at_begin(6.0 * chord, d0, d1) / h
         else:
-            out[i] = (2.0 * d0 + 4.0 * d1 - 6.0 * chord) / h
+            out[i] = bend_at_end(6.0 * chord, d0, d1) / h
 
 
 @kernel

@@ -8,6 +8,7 @@ step starts from rest: slack cable settles where it would bounce otherwise.
 from cablemodel.solvers.finite_element.kernels.bodies.clamp_layer import settle_layer
 from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_turns_anew
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
+from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin, bend_at_end
 from cablemodel.solvers.finite_element.kernels.element.limp import forget_limp
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import bear
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import leave_floor
@@ -293,10 +294,12 @@ def add_flow(I, M, flow, q, v, a):
                 p = size * I[head.parent + edge] + i
                 c = size * edge + i
                 chord = (q[c] - q[p]) / h
+                d0 = q[p + dimension]
+                d1 = q[c + dimension]
                 if side == 0:
-                    second += (2.0 * q[p + dimension] + 4.0 * q[c + dimension] - 6.0 * chord) / h
+                    second += bend_at_end(6.0 * chord, d0, d1) / h
                 else:
-                    second += (6.0 * chord - 4.0 * q[p + dimension] - 2.0 * q[c + dimension]) / h
+                    second += bend_at_begin(6.0 * chord, d0, d1) / h
                 sides += 1.0
             second /= max(sides, 1.0)
             v[n] = (1.0 - laid) * (v[n] + flow * q[n + dimension])
