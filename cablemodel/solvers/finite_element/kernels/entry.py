@@ -10,9 +10,11 @@ from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clam
 from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
 from cablemodel.solvers.finite_element.kernels.floor import floor_memory
 from cablemodel.solvers.finite_element.kernels.line import system
-from cablemodel.solvers.finite_element.kernels.mesh import bending_mesh as refine
-from cablemodel.solvers.finite_element.kernels.mesh import firm_friction
-from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh as follow
+from cablemodel.solvers.finite_element.kernels.mesh import (
+    bending_mesh,
+    firm_friction,
+    touchdown_mesh,
+)
 from cablemodel.solvers.finite_element.kernels.outputs import (
     energies,
     interface,
@@ -68,11 +70,11 @@ def choose_bending(I, M):
 
 @entry_point(int64(INTEGERS, REALS))
 def refine_at_floor(I, M):
-    """Adapt the mesh to the floor once: returns what `follow.follow_floor` does."""
+    """Adapt the mesh to the floor once: returns what `touchdown_mesh.follow_floor` does."""
     head = header(I)
     if head.floor_state == FLOOR_FAR:
         return NOTHING
-    return follow.follow_floor(I, M, True, 0)
+    return touchdown_mesh.follow_floor(I, M, True, 0)
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -97,8 +99,8 @@ def draw_alike(I, M, bristle):
 
 @entry_point(int64(INTEGERS, REALS, int64))
 def halve_at_rest(I, M, node):
-    """Halve an element of a static shape: refine.halve_at_rest."""
-    return refine.halve_at_rest(I, M, node)
+    """Halve an element of a static shape: bending_mesh.halve_at_rest."""
+    return bending_mesh.halve_at_rest(I, M, node)
 
 
 @entry_point(int64(INTEGERS, REALS))

@@ -2,9 +2,9 @@
 
 An element may be as long as the touchdown layer allows, plus half its gap above the floor, or half
 its distance from the nearest cable that hangs; and as its own curvature allows, less of it near the
-floor than high above, where the rule is that of free water (`refine`): one follower for all of a
-line, so that none undoes what another did. Splitting is exact; only what is straight is joined. See
-docs/engine.md, "Sea floor".
+floor than high above, where the rule is that of free water (bending_mesh.py): one follower for all
+of a line, so that none undoes what another did. Splitting is exact; only what is straight is
+joined. See docs/engine.md, "Sea floor".
 """
 
 import math
@@ -338,7 +338,7 @@ def length_by_bend(I, M, node, layer, jumps):
     """The length of an element high above a floor that its bend allows [m], as in free water.
 
     layer: that of its touchdown [m]. Cable in which bending reaches no further than the finest
-    element is as good as perfectly flexible: see `refine.bends_too_much`.
+    element is as good as perfectly flexible: see `bending_mesh.bends_too_much`.
     """
     head = header(I)
     allowed = bend_allowed(I, M, node)

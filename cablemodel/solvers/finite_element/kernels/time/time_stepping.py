@@ -135,7 +135,7 @@ class Plan(Record):
     to_output = integer("1: it ends the call")
     after_a_stop = integer("1: what drives the line may have a kink where it begins")
     unprojected = integer("1: a step of order 4 came before, which leaves velocities as they are")
-    jolted = real("when a velocity last jumped", "s")
+    last_jump = real("when a velocity last jumped", "s")
     iterations = integer("Newton's, before it")
     status = integer("of the attempt")
     error = real("of the attempt: local error over what is allowed")
@@ -305,7 +305,7 @@ def plan_step(I, M, plan):
     if jump * natural > state.time_tolerance:
         natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
         state.step = natural
-        plan.jolted = state.time
+        plan.last_jump = state.time
     remaining = stop - state.time
     # Friction that slips has a kink: across it the stages of order 4 make rings.
     rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
@@ -340,7 +340,7 @@ def make_ready(I, M, plan):
     follow_limp(I, M)
     if dt < 0.2 * state.last_step:
         # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
-        if state.time != plan.jolted:
+        if state.time != plan.last_jump:
             make_consistent(I, M, False, plan.unprojected)
     elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_velocity_jump(
         I, M, dt
@@ -527,7 +527,7 @@ def advance_to(I, M, t_end):
     plan = new_plan()
     plan.end = t_end
     plan.after_a_stop = 1
-    plan.jolted = -1e300
+    plan.last_jump = -1e300
     status = make_cuts(I, M) if head.cut_count != 0 else OK
     keep_forces(I, M)
     taken = 0
