@@ -56,7 +56,7 @@ LEFT_HANGING = 0.1  # in tau: of its stiffness, what is left to cable that hangs
 SHEDS = 1e-3  # of its stiffness: less is left to cable of which no mesh follows how it folds
 BORNE_HANGING = 0.01  # of what tensions may be wrong by: pressure under which that stays straight
 SLOWER_FOLDED = 0.1  # than tension: pressure where the mesh follows what folds
-HALVED = 0.75  # of the length with which an element was made: a shorter one has been halved
+HALVED_BELOW = 0.75  # of the length with which an element was made: a shorter one has been halved
 FOLDS_WITHIN = 1e-4  # tau down to which cable of undamped material does: below, blows do not end
 SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
 SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
@@ -180,7 +180,7 @@ def hang_limp(I, M, edge, promised):
     edge.bears = BORNE_HANGING * promised
     slower = math.sqrt(LEFT_HANGING * max(state.tolerance, FOLDS_WITHIN))
     far = header(I).floor_state == FLOOR_FAR
-    if edge.pulled == 0.0 or not far or edge.length < HALVED * edge.nominal:
+    if edge.pulled == 0.0 or not far or edge.length < HALVED_BELOW * edge.nominal:
         edge.bears = promised
         slower = SLOWER_FOLDED
     edge.bears = max(edge.bears, holds_straight(I, M, edge))

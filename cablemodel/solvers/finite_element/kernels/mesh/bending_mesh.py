@@ -39,7 +39,7 @@ from cablemodel.solvers.shared.layout import (
 
 BENDING_PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 BENDING_STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
-TOO_LONG = 1.5  # of what an element should have: longer ones are halved
+BENDING_TOO_LONG = 1.5  # of what an element should have: longer ones are halved
 
 
 @kernel
@@ -80,7 +80,7 @@ def may_snap(I, M, node):
     if is_limp(edge) or not folds(M, edge, t0, t1):
         return False
     finer = math.pow(scalars(M).tolerance / 1e-3, 0.25)
-    return edge.length > TOO_LONG * SNAPS * line_length(I, M, edge) * finer
+    return edge.length > BENDING_TOO_LONG * SNAPS * line_length(I, M, edge) * finer
 
 
 @kernel

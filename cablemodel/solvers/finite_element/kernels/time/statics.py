@@ -42,7 +42,7 @@ from cablemodel.solvers.shared.layout import (
 )
 
 LARGEST_STEPS = 2000
-LONGEST_STEP = 1e7
+LONGEST_PSEUDO_STEP = 1e7
 LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body that nothing holds
 NEWTON_LIMIT = 12
 FLOOR_ROUNDS = 12
@@ -123,7 +123,7 @@ def relax(I, M, frame, damped, strict):
     w0[:] = 0.0
     a0[:] = 0.0
     springs = head.rigid > 0 or head.payout != 0 or head.closure_count != 0
-    longest = LONGEST_STEP
+    longest = LONGEST_PSEUDO_STEP
     if head.free_count != 0:
         longest = min(longest, LONGEST_WITH_BODIES * state.first_step)
     if springs:

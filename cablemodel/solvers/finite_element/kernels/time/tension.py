@@ -58,7 +58,7 @@ LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a r
 TENSION_FINEST = 0.1  # step times the frequency of the axial motion: one that follows for sure
 TENSION_UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
 SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
-NOTHING = 0.01  # of the scatter: an embedded error that explains none of it
+UNEXPLAINED = 0.01  # of the scatter: an embedded error that explains none of it
 STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
@@ -195,7 +195,7 @@ def embedded_error(I, M, node, scatter):
     allowed = allowed_at(I, M, node)
     left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
     again = abs(M[head.stage_velocity + 2 * node]) / allowed
-    return left, min(1.0, again / max(left, NOTHING * scatter))
+    return left, min(1.0, again / max(left, UNEXPLAINED * scatter))
 
 
 @kernel
