@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.solvers.finite_element.start.refinement import LARGEST_STATIC_MESH, REFINEMENT_BENT
+from cablemodel.solvers.finite_element.start.refinement import (
+    LARGEST_STATIC_MESH,
+    REFINEMENT_BENT,
+    bends,
+)
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built, Shape
@@ -87,20 +91,7 @@ def refined(
 ) -> dict[str, list[FloatArray]] | None:
     """Nodes with those elements halved that bend too much (start/refinement.py); None: none."""
     found, tree = built.elements(), built.tree
-    q = built.block.array(Header.position, built.nodes, 6)
-    parents = built.block.integers(Header.parent, built.nodes)
-    p, own, h = q[parents[found.node]], q[found.node], found.length[:, None]
-    chord = (own[:, :3] - p[:, :3]) / h
-    start = (6.0 * chord - 4.0 * p[:, 3:] - 2.0 * own[:, 3:]) / h
-    end = (2.0 * p[:, 3:] + 4.0 * own[:, 3:] - 6.0 * chord) / h
-    # Ends have no neighbour to compare with: half of the change inside stands for it.
-    inside = 0.25 * np.linalg.norm(start - end, axis=1)
-    above, below = inside.copy(), inside.copy()
-    tied = found.node[1:] == found.node[:-1] + 1
-    jump = np.linalg.norm(start[1:] - end[:-1], axis=1)
-    above[1:][tied] = jump[tied]
-    below[:-1][tied] = jump[tied]
-    indicator = found.length**2 * np.maximum(above, below)
+    indicator = bends(built.block)[found.node]
     split: dict[str, set[float]] = {}
     for k in range(len(found.node)):
         segment = tree.segments[found.segment[k]]

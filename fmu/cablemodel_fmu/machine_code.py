@@ -37,6 +37,7 @@ RARE_ENTRIES = (
     "force_response",
     "lay_to_anchors",
     "measure",
+    "measure_bends",
     "parts",
     "sample",
     "sample_elements",

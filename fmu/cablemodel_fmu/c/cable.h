@@ -157,6 +157,7 @@ int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
 int64_t cablemodel_halve_at_rest(void *block, int64_t words, int64_t node);
+int64_t cablemodel_measure_bends(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_settle(void *block, int64_t words);
 int64_t cablemodel_lay_to_anchors(void *block, int64_t words, double *lengths, int64_t n);
 int64_t cablemodel_draw_alike(void *block, int64_t words, double bristle);
@@ -307,7 +308,7 @@ void forget_stabilisation(Cable *cable);
 void restore_bending(Cable *cable);
 void rest_here(Cable *cable);
 void count_from_zero(Cable *cable);
-double bend_at(const Cable *cable, int64_t node);
+double *bends_of(const Cable *cable);
 double most_bent(const Cable *cable);
 double most_stretched(const Cable *cable);
 void judge_shape(Cable *cable, double bent, double stretched);

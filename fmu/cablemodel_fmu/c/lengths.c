@@ -5,6 +5,7 @@
    find the static equilibrium. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cable.h"
@@ -355,49 +356,30 @@ static int64_t find_initial_state(Cable *cable) {
     return status;
 }
 
-/* Second derivative of an element towards x at its parent's end (0) or its own end (1). */
-static double second(const Cable *cable, int64_t node, int64_t i, int end) {
-    const int64_t dimension = header(cable->I)->dimension, size = 2 * dimension;
-    const double *q = cable->M + header(cable->I)->position, h = AS(Edge, edge_of(cable, node))->length;
-    const int64_t p = size * cable->I[header(cable->I)->parent + node] + i, c = size * node + i;
-    const double chord = (q[c] - q[p]) / h, before = q[p + dimension], after = q[c + dimension];
-    return end ? (2.0 * before + 4.0 * after - 6.0 * chord) / h
-               : (6.0 * chord - 4.0 * before - 2.0 * after) / h;
-}
-
-/* By how much a static shape bends at an element, in what that can follow: by the rule by which refined
-   of cablemodel/solvers/finite_element/start/refinement.py, or of cablemodel/systems/places.py, would halve it. */
-double bend_at(const Cable *cable, int64_t node) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint, nodes = header(I)->nodes;
-    const double *edge = edge_of(cable, node), h = AS(Edge, edge)->length;
-    const int above = node > 1 && joint[node - 1] == JOINT_NONE;
-    const int below = node + 1 < nodes && joint[node + 1] == JOINT_NONE;
-    double inside = 0.0, before = 0.0, after = 0.0, length = scalars(cable->M)->length;
-    int at_end = !above || !below;
-    for (int64_t i = 0; i < header(I)->dimension; i++) {
-        const double start = second(cable, node, i, 0), end = second(cable, node, i, 1);
-        inside += (end - start) * (end - start);
-        if (above) before += pow(start - second(cable, node - 1, i, 1), 2.0);
-        if (below) after += pow(second(cable, node + 1, i, 0) - end, 2.0);
+/* By how much a static shape bends at each of its elements, in what that can follow: by the rule by
+   which refined of cablemodel/solvers/finite_element/start/refinement.py, or of
+   cablemodel/systems/places.py, would halve it. One for each node; NULL: no memory. */
+double *bends_of(const Cable *cable) {
+    const int64_t nodes = header(cable->I)->nodes;
+    double *bends = malloc(8 * (size_t)nodes);
+    if (bends == NULL) return NULL;
+    cablemodel_measure_bends(cable->I, cable->block_words, bends, nodes);
+    for (int64_t node = 1; node < nodes; node++) {
+        double length = scalars(cable->M)->length;
+        if (bends[node] == 0.0) continue;
+        if (is_system(cable->I))
+            length = AS(CableRow, row_of(cable, (int64_t)AS(Edge, edge_of(cable, node))->segment))->line;
+        bends[node] /= BENT * scalars(cable->M)->tolerance * length;
     }
-    if (is_system(I)) {
-        length = AS(CableRow, row_of(cable, (int64_t)AS(Edge, edge)->segment))->line;
-    } else {
-        int64_t last = nodes - 1;
-        while (last > 1 && joint[last] != JOINT_NONE) last--;
-        at_end = node == 1 || node == last;
-    }
-    double jump = fmax(sqrt(before), sqrt(after));
-    if (at_end) jump = fmax(jump, 0.25 * sqrt(inside));
-    return h * h * jump / (BENT * scalars(cable->M)->tolerance * length);
+    return bends;
 }
 
 /* The most of that. */
 double most_bent(const Cable *cable) {
-    const int64_t *joint = cable->I + header(cable->I)->joint;
-    double most = 0.0;
-    for (int64_t node = 1; node < header(cable->I)->nodes; node++)
-        if (joint[node] == JOINT_NONE) most = fmax(most, bend_at(cable, node));
+    double most = 0.0, *bends = bends_of(cable);
+    if (bends == NULL) return 0.0;
+    for (int64_t node = 1; node < header(cable->I)->nodes; node++) most = fmax(most, bends[node]);
+    free(bends);
     return most;
 }
 

@@ -409,12 +409,13 @@ static void give_back(Cable *cable, const int64_t *image) {
 /* Halve what bends too much, from the last element on: halves go where the whole one went. */
 static int64_t halve_bent(Cable *cable) {
     int64_t found = NOTHING;
-    for (int64_t node = header(cable->I)->nodes - 1; node >= 1; node--) {
-        if (cable->I[header(cable->I)->joint + node] != JOINT_NONE || !(bend_at(cable, node) > 1.0)) continue;
+    double *bends = bends_of(cable);
+    for (int64_t node = bends ? header(cable->I)->nodes - 1 : 0; node >= 1 && found != NO_CAPACITY; node--) {
+        if (!(bends[node] > 1.0)) continue;
         const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
-        if (status == NO_CAPACITY) return NO_CAPACITY;
-        if (status == CHANGED) found = CHANGED;
+        if (status != NOTHING) found = status;
     }
+    free(bends);
     return found;
 }
 

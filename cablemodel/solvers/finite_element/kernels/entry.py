@@ -103,6 +103,13 @@ def halve_at_rest(I, M, node):
     return bending_mesh.halve_at_rest(I, M, node)
 
 
+@entry_point(int64(INTEGERS, REALS, REALS))
+def measure_bends(I, M, out):
+    """By how much elements of a static shape bend: bending_mesh.measure_bends. Returns how many."""
+    bending_mesh.measure_bends(I, M, out)
+    return header(I).nodes
+
+
 @entry_point(int64(INTEGERS, REALS))
 def place_supports(I, M):
     """Write the prescribed motion at the present time into the state."""
@@ -292,6 +299,7 @@ ENTRY_POINTS = {
     "lay_to_anchors": lay_to_anchors,
     "draw_alike": draw_alike,
     "halve_at_rest": halve_at_rest,
+    "measure_bends": measure_bends,
     "place_supports": place_supports,
     "measure": measure,
     "sample": sample,

@@ -22,7 +22,6 @@ from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.finite_element.start.scales import pays_out, start_conditions
 from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.curves import bends
 from cablemodel.solvers.shared.layout import LIGHT_DAMPING, Header
 
 if TYPE_CHECKING:
@@ -70,36 +69,20 @@ def spare_nodes(scene: Scene, nodes: int, longest: float) -> int:
     return WINCH * spare if pays_out(scene) or scene.payout.drum else spare
 
 
-def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatArray] | None:
-    """Cables' nodes with those elements halved that a static shape bends too much; None: done.
+def bends(block: Block) -> FloatArray:
+    """By how much each element of a static shape bends (nodes,) [m]: the kernels' measure_bends."""
+    from cablemodel.solvers import library
 
-    The curvature of a cubic element changes by D over its length h and jumps by J at its nodes;
-    what it cannot follow misplaces the cable by a fraction of h^2 J.
-    """
+    found = np.empty(int(block.header.nodes))
+    library.measure_bends(block.ints, block.reals, found)
+    return found
+
+
+def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatArray] | None:
+    """Cables' nodes with those elements halved that a static shape bends too much; None: done."""
     count = int(block.header.nodes)
-    dimension = int(block.header.dimension)
-    q = block.array(Header.position, count, 2 * dimension)
-    edges = block.array(Header.edges, count, at.EDGE_WORDS)
     joints = block.integers(Header.joint, count)
-    start = np.zeros((count, dimension))
-    end = np.zeros((count, dimension))
-    h = edges[:, at.Edge.length]
-    cable = 1 + np.flatnonzero(joints[1:] == at.JOINT_NONE)
-    lengths = np.where(joints[1:] == at.JOINT_NONE, h[1:], 1.0)  # a joint's may be none
-    first, last_bend = bends(q[:, :dimension], q[:, dimension:], lengths)
-    start[cable], end[cable] = first[cable - 1], last_bend[cable - 1]
-    jump = np.zeros(count)  # at the child end of each element
-    for node in range(1, count - 1):
-        if not joints[node] and not joints[node + 1]:
-            bend = start[node + 1] - end[node]
-            jump[node] = float(np.linalg.norm(bend))
-    # Flexible ends have no neighbour to compare with: half of the change inside stands for it.
-    inside = np.linalg.norm(start - end, axis=1)
-    indicator = h**2 * np.maximum(jump, np.concatenate([[0.0], jump[:-1]]))
-    indicator[1] = max(indicator[1], 0.25 * h[1] ** 2 * inside[1])
-    last = int(np.flatnonzero(joints == 0)[-1])  # beyond it there may be a body
-    indicator[last] = max(indicator[last], 0.25 * h[last] ** 2 * inside[last])
-    split = indicator > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
+    split = bends(block) > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     if not split.any() or count > LARGEST_STATIC_MESH:
         return None
     fixed = [cable.elements is not None for cable in scene.cables]

@@ -90,12 +90,13 @@ def _add_term(builder: Any, total: Any, factor: float, both: Any, known: dict[fl
     """
     if factor == 0.0:
         return total
-    if factor not in known and -factor in known:
-        term = known[-factor]
-        return builder.fneg(term) if total is None else builder.fsub(total, term)
-    if factor not in known:
-        known[factor] = builder.fmul(ir.Constant(both.type, [factor, factor]), both)
-    return known[factor] if total is None else builder.fadd(total, known[factor])
+    term, less = known.get(factor), known.get(-factor)
+    if term is None and less is not None:
+        return builder.fneg(less) if total is None else builder.fsub(total, less)
+    if term is None:
+        term = builder.fmul(ir.Constant(both.type, [factor, factor]), both)
+        known[factor] = term
+    return term if total is None else builder.fadd(total, term)
 
 
 def table_product(table: Any) -> Any:

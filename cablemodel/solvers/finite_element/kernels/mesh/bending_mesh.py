@@ -25,9 +25,10 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     may_be_halved,
     one_cubic_does,
     position_accuracy,
+    second_derivative,
 )
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
-from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, word_of
+from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, vector, word_of
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
@@ -124,6 +125,46 @@ def halve_at_rest(I, M, node):
     if scalars(M).bent == 0.0 or not may_be_halved(I, M, node):
         return NOTHING
     return CHANGED if halve_for_good(I, M, node) == OK else NO_CAPACITY
+
+
+@kernel
+def measure_bends(I, M, out):
+    """By how much each element of a static shape bends, (nodes,) [m]: h^2 times the larger jump of
+    r'' at its ends.
+
+    The curvature of a cubic changes by D over its length h and jumps by J at its nodes; what it
+    cannot follow misplaces the cable by a fraction of h^2 J. Flexible ends have no neighbour to
+    compare with: a quarter of D stands for J.
+    """
+    head = header(I)
+    begin = vector()
+    end = vector()
+    last = head.nodes - 1
+    while last > 1 and I[head.joint + last] != 0:
+        last -= 1  # beyond it there may be a body
+    out[: head.nodes] = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] != 0:
+            continue
+        above = node > 1 and I[head.joint + node - 1] == 0
+        below = node + 1 < head.nodes and I[head.joint + node + 1] == 0
+        jump = 0.0
+        if above:
+            jump = max(jump, jump_at(I, M, node - 1, False))
+        if below:
+            jump = max(jump, jump_at(I, M, node, False))
+        is_end = node == 1 or node == last
+        if head.parts != 0:
+            is_end = not above or not below
+        if is_end:
+            second_derivative(I, M, node, 0, begin)
+            second_derivative(I, M, node, 1, end)
+            square = 0.0
+            for i in range(head.dimension):
+                square += (end[i] - begin[i]) ** 2
+            jump = max(jump, 0.25 * math.sqrt(square))
+        h = edge_of(I, M, node).length
+        out[node] = h * h * jump
 
 
 @kernel
