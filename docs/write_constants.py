@@ -41,6 +41,10 @@ WORDS = {
         "AX CX CY CZ G TX TY TZ FX FY FZ PX PY PZ QX QY QZ ROWS ROWS_00 ROWS_01 ROWS_12 "
         "ROWS_21 ROWS_22 SUMS"
     ),
+    "solvers/finite_element/kernels/element/limp.py": "ROW_HUNG ROW_BELOW ROW_ABOVE ROW_HELD",
+    "solvers/finite_element/kernels/mesh/touchdown_mesh.py": (
+        "ROW_GAPS ROW_BEHIND ROW_JUMPS ROW_WANTED ROW_PROMISED ROW_SPARE ROW_WAYS"
+    ),
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",

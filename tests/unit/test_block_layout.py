@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from cablemodel.solvers.direct.kernels import layout as own
+from cablemodel.solvers.finite_element.kernels.element import limp
+from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.record import Part, Several, Spare, c_struct, dtype_of, records
 
@@ -47,6 +49,14 @@ def test_every_field_says_what_it_is(record):
     silent = [n for n, f in record.FIELDS.items() if not isinstance(f, Spare) and not f.meaning]
     assert silent == []
     assert all(f" {name}" in c_struct(record) for name in record.FIELDS)
+
+
+@pytest.mark.parametrize("module", [limp, touchdown_mesh])
+def test_rows_that_a_user_names_do_not_meet(module):
+    """Of the memory that is free before a step; it holds four stages' velocities in space."""
+    rows = [value for name, value in vars(module).items() if name.startswith("ROW_")]
+    assert sorted(rows) == list(range(len(rows)))
+    assert 4 <= len(rows) <= at.SPARE_ROWS
 
 
 def test_what_there_is_one_of_stands_where_a_block_has_it():

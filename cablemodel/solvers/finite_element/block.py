@@ -132,7 +132,7 @@ class Block(WordBlock):
         workspace = [
             (Header.backup.word, image_words),
             # The first stage is the state, the last one the trial.
-            (Header.stage_velocity.word, capacity * 24),
+            (Header.stage_velocity.word, capacity * at.SPARE_ROWS),
             (Header.stage_acceleration.word, capacity * 24),
             (Header.base_position.word, capacity * 6),
             (Header.base_velocity.word, capacity * 6),

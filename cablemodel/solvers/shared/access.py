@@ -5,6 +5,7 @@ block; so for the others.
 """
 
 from cablemodel.solvers.shared.compile import (
+    inlined,
     own_numbers,
     own_record,
     record_at,
@@ -89,6 +90,15 @@ step_inputs_at = record_at(StepInputs)
 frame_input_at = record_at(FrameInput)
 station_at = record_at(Station)
 part_motion_at = record_at(PartMotion)
+
+
+@inlined
+def spare_row(I, row):
+    """Where words for the nodes begin, `capacity` of them, in the memory of the stages' velocities,
+    which is free before a step. Who uses such rows names them, from 0 on: below SPARE_ROWS."""
+    head = header(I)
+    return head.stage_velocity + row * head.capacity
+
 
 vector = own_numbers(3)
 """vector(): three zeros of the caller's own; those of a planar model are the first two."""

@@ -16,6 +16,9 @@ FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
 
 
+SPARE_ROWS = 24  # of one word for each node, in the stages' velocities: access.spare_row
+
+
 class Header(Record):
     """Identity, sizes and counters of a block, and the words where its arrays start."""
 

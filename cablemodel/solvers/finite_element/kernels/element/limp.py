@@ -45,6 +45,7 @@ from cablemodel.solvers.shared.access import (
     free_body_of,
     header,
     scalars,
+    spare_row,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAID_SLACK
@@ -59,6 +60,7 @@ SLOWER_FOLDED = 0.1  # than tension: pressure where the mesh follows what folds
 HALVED_BELOW = 0.75  # of the length with which an element was made: a shorter one has been halved
 FOLDS_WITHIN = 1e-4  # tau down to which cable of undamped material does: below, blows do not end
 SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
+ROW_HUNG, ROW_BELOW, ROW_ABOVE, ROW_HELD = range(4)
 SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
 
 
@@ -131,14 +133,14 @@ def mark_ends(I, M, ends):
 
 @kernel
 def find_hung(I, M):
-    """Words where 1 stands for each element that something pulls taut: of a tree that is held, with
-    something at both of its ends or beyond them; else 0, (nodes,)."""
+    """Write 1 into ROW_HUNG for each element that something pulls taut: of a tree that is held,
+    with something at both of its ends or beyond them; else 0."""
     head = header(I)
     nodes = head.nodes
-    ends = view(M, head.stage_velocity, nodes)
-    below = view(M, head.stage_velocity + nodes, nodes)
-    above = view(M, head.stage_velocity + 2 * nodes, nodes)
-    held = view(M, head.stage_velocity + 3 * nodes, nodes)
+    ends = view(M, spare_row(I, ROW_HUNG), nodes)
+    below = view(M, spare_row(I, ROW_BELOW), nodes)
+    above = view(M, spare_row(I, ROW_ABOVE), nodes)
+    held = view(M, spare_row(I, ROW_HELD), nodes)
     mark_ends(I, M, ends)
     for node in range(nodes):
         below[node] = ends[node]
@@ -159,7 +161,6 @@ def find_hung(I, M):
             held[node] = held[parent]
     for node in range(nodes):
         ends[node] = below[node] * above[node] * held[node]
-    return head.stage_velocity
 
 
 @inlined
@@ -259,10 +260,13 @@ def choose_all(I, M, promised):
     state.yields = 0.0
     if head.lays_slack != 0 and state.time > 0.0 and has_slack(I, M):
         state.yields = least_yields(I, M)
-    hung = find_hung(I, M) if may_fold(I, M) else 0
+    hangs = may_fold(I, M)
+    hung = view(M, spare_row(I, ROW_HUNG), head.nodes)
+    if hangs:
+        find_hung(I, M)
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            edge_of(I, M, node).pulled = M[hung + node] if hung > 0 else 0.0
+            edge_of(I, M, node).pulled = hung[node] if hangs else 0.0
             choose_law(I, M, node, promised)
 
 

@@ -17,6 +17,7 @@ from cablemodel.solvers.finite_element.kernels.element.strain import (
 )
 from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
+    ROW_JUMPS,
     bend_allowed,
     finest_flexible,
     halves_are_even,
@@ -28,7 +29,15 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     second_derivative,
 )
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
-from cablemodel.solvers.shared.access import edge_at, edge_of, header, scalars, vector, word_of
+from cablemodel.solvers.shared.access import (
+    edge_at,
+    edge_of,
+    header,
+    scalars,
+    spare_row,
+    vector,
+    word_of,
+)
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
@@ -177,7 +186,7 @@ def follow_bending(I, M, change):
     state = scalars(M)
     state.bent_after = state.time + BENDING_PAUSE * state.period
     nodes = head.nodes
-    jumps = M[head.stage_velocity : head.stage_velocity + nodes + 1]
+    jumps = view(M, spare_row(I, ROW_JUMPS), nodes + 1)
     for node in range(nodes):
         # At the line's ends r'' may be anything.
         jumps[node] = jump_at(I, M, node, True) if 0 < node < nodes - 1 else 0.0

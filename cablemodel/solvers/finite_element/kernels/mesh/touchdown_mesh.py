@@ -36,11 +36,12 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    spare_row,
     vector,
     winch_of,
     word_of,
 )
-from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     EDGE_WORDS,
@@ -65,6 +66,7 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 TOUCHDOWN_FINEST, PUSHED = 8.0, 32.0  # of tau L: straighter and shorter stays whole; if pressed
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
 TOUCHDOWN_UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
+ROW_GAPS, ROW_BEHIND, ROW_JUMPS, ROW_WANTED, ROW_PROMISED, ROW_SPARE, ROW_WAYS = range(7)
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 
 
@@ -547,15 +549,13 @@ def follow_floor(I, M, change, first):
         way = state.floor_wait / state.period
         bear(I, M, way / (1.0 + way))
         state.floor_wait = 0.0
-    capacity = head.capacity
-    work = head.stage_velocity
-    gaps = M[work : work + capacity]
-    behind = M[work + capacity : work + 2 * capacity]
-    jumps = M[work + 2 * capacity : work + 3 * capacity]
-    wanted = M[work + 3 * capacity : work + 4 * capacity]
-    promised = M[work + 4 * capacity : work + 5 * capacity]
-    spare = M[work + 5 * capacity : work + 6 * capacity]
-    ways = M[work + 6 * capacity : work + 7 * capacity]
+    gaps = view(M, spare_row(I, ROW_GAPS), head.capacity)
+    behind = view(M, spare_row(I, ROW_BEHIND), head.capacity)
+    jumps = view(M, spare_row(I, ROW_JUMPS), head.capacity)
+    wanted = view(M, spare_row(I, ROW_WANTED), head.capacity)
+    promised = view(M, spare_row(I, ROW_PROMISED), head.capacity)
+    spare = view(M, spare_row(I, ROW_SPARE), head.capacity)
+    ways = view(M, spare_row(I, ROW_WAYS), head.capacity)
     measure(I, M, gaps, behind, jumps)
     measure_promise(I, M, gaps, promised, spare)
     grips = state.friction > 0.0 and head.constraint_count > 1
