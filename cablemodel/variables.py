@@ -383,6 +383,14 @@ FREE_BODY_PARAMETERS: tuple[Parameter, ...] = (
 )  # fmt: skip
 """Of each free body of a system."""
 
+SYSTEM_LENGTHS: tuple[Parameter, ...] = (
+    Parameter("unstretched length of a cable of a line, counted from its beginning", "m",
+              "NAME.cable[n].length", "lines.NAME.items.N.cable.length", False),
+    Parameter("the same on a winch's drum, in the order in which they leave it", "m",
+              "NAME.cable[n].length", "winches.NAME.drum.N.cable.length", False),
+)  # fmt: skip
+"""Of each line and winch of a system."""
+
 
 def parameter(fmu: str) -> Parameter:
     """The row of :data:`PARAMETERS` with this name."""
@@ -625,7 +633,7 @@ def document() -> str:
         "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
-    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS):
+    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS, *SYSTEM_LENGTHS):
         texts = (
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",

@@ -504,8 +504,11 @@ static const char *check_parameter(Cable *cable, const Parameter *p, double valu
         return "a length is fixed: set it before the end of the initialization";
     if (value >= p->minimum && value <= p->maximum) return NULL;
     if (p->minimum == p->maximum)
-        return "this line's lengths are those of its given shape or floor: export the scene "
-               "with others";
+        return cable->system != NULL
+                   ? "this length is the scene's: a line branches off beyond, or friction holds bodies or what "
+                     "was laid: export the scene with another"
+                   : "this line's lengths are those of its given shape or floor: export the scene "
+                     "with others";
     return check_range(cable, value, p->minimum, p->maximum);
 }
 

@@ -70,11 +70,13 @@ enum {
    and in the order in which they leave the drum. */
 enum { OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM };
 typedef struct {
-    int64_t kind, word;
+    int64_t kind, word; /* of a length on a drum of a system, the winch */
     int64_t index; /* of the cable type, row of the table of bodies, free bodies or cables */
     double factor; /* of a length of the line: its part in the typical tension [N/m] */
     double start, minimum, maximum;
-    double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
+    /* Of a length of the line: how far it can reach when stretched, in lengths. Of one on a drum of a
+       system: 1 where the scene counts its elements. */
+    double reach;
     char name[96]; /* of the variable, ended by zeros */
 } Parameter;
 
@@ -300,6 +302,7 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
                         double response[]);
 
 /* lengths.c */
+double length_at(const Cable *cable, int64_t n, double share);
 int lengths_changed(const Cable *cable);
 const Parameter *first_changed(const Cable *cable);
 int differs(const double *a, const double *b);
@@ -312,6 +315,11 @@ double most_bent(const Cable *cable);
 double most_stretched(const Cable *cable);
 void judge_shape(Cable *cable, double bent, double stretched);
 const char *settle_cable(Cable *cable);
+
+/* system_lengths.c */
+void resize_lines(Cable *cable, double from, double to, const double *places, double *grown);
+void measure_lines(Cable *cable);
+const char *check_lengths(Cable *cable);
 
 /* system_start.c */
 const char *settle_system(Cable *cable);
