@@ -135,6 +135,9 @@ CASES: dict[str, Any] = {
     ),
     "chains on the floor": (moored, ASIDE, None),
     "a path, foils and waves": (tow, {"tug": {"position": [4, -6, 0.5]}}, None),
+    "a clamp whose line is moved along with it": (tow, {
+        "tug": {"position": [3, 0, 0]}, "crane": {"position": [3, 60, 3]}
+    }, None),
 }  # fmt: skip
 
 

@@ -168,7 +168,7 @@ static void bend_flexible(Cable *cable, double longer) {
         if (edge->flexible == 0.0 || !(edge->bending_full > 0.0)) continue;
         const double displaced = row_of(cable, (int64_t)edge->segment)->displaced;
         const double thick = density > 0.0 ? sqrt(displaced / (density * 0.25 * pi)) : 0.0;
-        const double layer = cbrt(edge->bending_full / edge->contact);
+        const double layer = pow(edge->bending_full / edge->contact, 1.0 / 3.0);
         edge->bending_full = edge->contact * pow(fmax(layer * longer, thick), 3.0);
         edge->bending = edge->bending_full;
     }

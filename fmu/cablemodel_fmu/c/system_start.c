@@ -530,6 +530,7 @@ static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     cablemodel_place_supports(cable->I, cable->block_words);
     resize_lines(cable, from, to, before, grown);
     const int followed = follow_ends(cable, before, grown);
+    cablemodel_place_supports(cable->I, cable->block_words); /* clamps do not turn with the line */
     free(before);
     restore_bending(cable);
     return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
@@ -569,15 +570,20 @@ static const char *start_flowing(Cable *cable) {
     return NULL;
 }
 
-/* What is to be told of such a start: as `judge` of lengths.c. */
-static void judge(Cable *cable, double bent, double stretched) {
+/* The lowest tension, where it presses a line more than it may be wrong by; else 0. */
+static double pressed_by(const Cable *cable) {
     const Scalars *state = scalars(cable->M);
     const double allowed = 10.0 * state->tolerance * fmax(state->largest_tension, state->tension_scale);
     double lowest = 0.0;
     for (int64_t node = 0; node < header(cable->I)->nodes; node++)
         lowest = fmin(lowest, cable->M[header(cable->I)->tension + 2 * node]);
+    return lowest < -allowed ? lowest : 0.0;
+}
+
+/* What is to be told of such a start: as `judge` of lengths.c. */
+static void judge(Cable *cable, double bent, double stretched) {
     judge_shape(cable, bent, stretched);
-    cable->pressed = lowest < -allowed ? lowest : 0.0;
+    cable->pressed = pressed_by(cable);
 }
 
 static const char *search(Cable *cable) {
@@ -590,6 +596,8 @@ static const char *search(Cable *cable) {
     measure_lines(cable);
     scalars(cable->M)->third_mode = STABILISATION * scalars(cable->M)->tension_scale;
     forget_stabilisation(cable);
+    /* A line that got too long at once may be found pressed, where it would have bent. */
+    const int longer = lengths_changed(cable) && pressed_by(cable) == 0.0;
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
         const double next = fmin(1.0, done + part);
@@ -597,6 +605,7 @@ static const char *search(Cable *cable) {
         if (part < 1.0) header(cable->I)->maximum_steps = FEW_STEPS; /* what is near is soon found */
         status = go_on(cable, &way, done, next);
         header(cable->I)->maximum_steps = header(initial_image(cable))->maximum_steps;
+        if (status == OK && longer && pressed_by(cable) != 0.0) status = STATICS_FAILED;
         if (status == OK) {
             done = next;
             continue;
