@@ -384,6 +384,18 @@ def test_a_start_that_stretches_lines_is_warned_of(tmp_path: Path) -> None:
         slave.close()
 
 
+def test_angles_of_a_start_that_look_like_degrees_are_asked_about(tmp_path: Path) -> None:
+    with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"b.start_attitude": (0, 0, -6.2)})
+        assert slave.messages == []
+        slave.close()
+        slave = Slave(*found, **{"b.start_attitude": (0, 0, 90)})
+        assert [status for status, _ in slave.messages] == [1]
+        asked = "b.start_attitude[3] is 90 rad, more than a turn: was it meant in degrees?"
+        assert asked in slave.messages[0][1]
+        slave.close()
+
+
 @pytest.mark.parametrize("by", [1, 2, 3])
 def test_a_vessel_is_driven_from_where_it_begins(by: int, tmp_path: Path) -> None:
     """Without a jump, by velocity, place or both; one that nothing drives goes straight on."""

@@ -234,6 +234,7 @@ void mark_part_set(Cable *cable, unsigned vr, int derivative);
 VesselStart *vessel_starts(const Cable *cable);
 VesselStart scene_start(const Cable *cable, int64_t vessel);
 int set_system_start(Cable *cable, unsigned vr, double value);
+const char *more_than_a_turn(Cable *cable);
 void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size);
 int velocity_set(const Cable *cable, int64_t vessel);
 const char *ignored_part_input(Cable *cable, unsigned vr);

@@ -187,6 +187,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ALLOW(c, P2);
     const char *problem = settle_cable(&in->cable);
     if (problem != NULL) return report(in, fmi2Error, "fmi2ExitInitializationMode: %s", problem);
+    const char *odd = in->cable.system == NULL ? NULL : more_than_a_turn(&in->cable);
+    if (odd != NULL) report(in, fmi2Warning, "fmi2ExitInitializationMode: %s", odd);
     if (in->cable.bent > 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start the line bends %.3g times as "
                "much as the exported elements can follow at the scene's tolerance: export the scene with "

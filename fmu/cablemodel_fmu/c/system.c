@@ -259,6 +259,22 @@ void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
     snprintf(name, size, "%.*s", (int)length, variable);
 }
 
+/* The first angle of a start that was set to more than a turn, in words; NULL: there is none. */
+const char *more_than_a_turn(Cable *cable) {
+    const double turn = 2.0 * 3.14159265358979323846;
+    const Row *rows = cable->system->rows + first_start(cable->system);
+    for (int64_t n = 0; n < cable->system->vessels; n++)
+        for (int i = 0; i < 3; i++) {
+            const double angle = vessel_starts(cable)[n].attitude[i];
+            const Row *row = rows + START_WORDS * n + (START_WORDS - 3) + i;
+            if (angle == row->start || !(fabs(angle) > turn)) continue;
+            snprintf(cable->message, sizeof cable->message,
+                     "%s is %g rad, more than a turn: was it meant in degrees?", row->name, angle);
+            return cable->message;
+        }
+    return NULL;
+}
+
 /* Of a value that is allowed; whether it is another one than before. Until an input of the vessel is set,
    it is what it is at the start. */
 int set_system_start(Cable *cable, unsigned vr, double value) {
