@@ -381,6 +381,7 @@ def test_a_start_that_stretches_lines_is_warned_of(tmp_path: Path) -> None:
         assert [status for status, _ in slave.messages] == [1]
         words = slave.messages[0][1].split("at this start a line is stretched by ")[1].split()
         assert float(words[0]) == pytest.approx(25.0, abs=0.5)
+        assert words[1:3] == ["per", "cent:"]  # a percent sign would be a format to the logger
         slave.close()
 
 

@@ -194,7 +194,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
                "much as the exported elements can follow at the scene's tolerance: export the scene with "
                "these values", in->cable.bent);
     if (in->cable.stretched > 0.0)
-        report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start a line is stretched by %.3g %%: are "
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start a line is stretched by %.3g per cent: are "
                "places and lengths right?", 100.0 * in->cable.stretched);
     if (in->cable.pressed < 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: this start presses the line (lowest tension "
