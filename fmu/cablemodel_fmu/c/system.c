@@ -523,6 +523,21 @@ static int in_use(const Cable *cable, int64_t n) {
     return drives(cable, n) && (vessel >= cable->system->vessels || chosen(cable, vessel, group));
 }
 
+/* As zero_input: velocities of vessels, then rates of winches. */
+const char *zero_part_input(const Cable *cable, int64_t n) {
+    const System *s = cable->system;
+    const int64_t winch = n - s->vessels;
+    const int64_t first = winch < 0 ? OF_VESSEL * n + AT_VELOCITY : s->inputs - s->cuts - s->winches + winch;
+    double given[3] = {0};
+    if (winch >= s->winches || !drives(cable, first)) return NULL;
+    for (int64_t i = 0; i < (winch < 0 ? 3 : 1); i++) given[i] = inputs_in(s, cable->values, first + i)->value;
+    if (!is_zero(given)) return NULL;
+    if (winch >= 0) return turns(cable, winch) ? s->rows[first].name : NULL;
+    const Frame *row = AS(Frame, cable->M + header(cable->I)->frames + FRAME_WORDS * n);
+    const int moves = row->count > 1.0 || !is_zero(vessel_starts(cable)[n].velocity);
+    return moves && in_use(cable, first) ? s->rows[first].name : NULL;
+}
+
 /* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by
    the rule of SystemModel.step. */
 static int collect_parts(const Cable *cable, double dt) {
