@@ -355,9 +355,9 @@ PARAMETERS: tuple[Parameter, ...] = (
               "line.N.body.drag_coefficient_axial", True),
     Parameter("weight in water", "N", "body[j].submerged_weight",
               "line.N.body.submerged_weight", True),
-    Parameter("unstretched length of a cable of the line, counted from the vessel", "m",
+    Parameter("unstretched length of a cable of the line", "m",
               "line.cable[n].length", "line.N.cable.length", False),
-    Parameter("unstretched length of a cable on the drum, in the order in which they leave it", "m",
+    Parameter("unstretched length of a cable on the drum, as they leave it", "m",
               "drum.cable[n].length", "payout.drum.N.cable.length", False),
 )  # fmt: skip
 """What an FMU's user may set before the start or, where tunable, during a run."""
@@ -382,6 +382,14 @@ FREE_BODY_PARAMETERS: tuple[Parameter, ...] = (
               True),
 )  # fmt: skip
 """Of each free body of a system."""
+
+SYSTEM_LENGTHS: tuple[Parameter, ...] = (
+    Parameter("unstretched length of a cable of a line, from its beginning", "m",
+              "NAME.cable[n].length", "lines.NAME.items.N.cable.length", False),
+    Parameter("the same on a winch's drum, as they leave it", "m",
+              "NAME.cable[n].length", "winches.NAME.drum.N.cable.length", False),
+)  # fmt: skip
+"""Of each line and winch of a system."""
 
 
 def parameter(fmu: str) -> Parameter:
@@ -618,14 +626,13 @@ def document() -> str:
         *_systems(),
         "## Parameters of the FMU",
         "",
-        "Fixed at the initialization, or tunable during a run. n counts the cables of the line, or",
-        "of the drum, from the vessel, j the bodies; K is the name of a cable type, and N a place",
-        "in the scene's list, from 0.",
+        "Fixed at the initialization, or tunable in a run. n counts cables of line or drum from",
+        "the vessel, j bodies; K is a cable type, N a place in the scene's list, from 0.",
         "",
         "|quantity|unit|FMU|scene||",
         "|---|---|---|---|---|",
     ]
-    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS):
+    for entry in (*PARAMETERS, *VESSEL_STARTS, *FREE_BODY_PARAMETERS, *SYSTEM_LENGTHS):
         texts = (
             entry.quantity, entry.unit or "-", f"`{entry.fmu}`",
             f"`{entry.scene}`" if entry.scene else "-", "tunable" if entry.tunable else "fixed",

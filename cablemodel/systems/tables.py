@@ -116,19 +116,8 @@ def filled(
     return built
 
 
-def fill_settings_of(scene: SystemScene, built: Built) -> None:
-    """Tolerances, water, current, and what `kernels/element/scales.py` wants to know."""
-    from cablemodel.solvers import library as entry
-
-    block = built.block
-    ints, reals = block.ints, block.reals
-    state = Scalars(reals)
-    fill_settings(block, scene)
-    state.plane = 1.0, 0.0
-    rest = block.array(Header.pieces, 2, at.PIECE_WORDS)
-    rest[:, at.Piece.end] = math.inf
-    lengths = {name: line.length for name, line in scene.lines.items()}
-    longest, shortest = max(lengths.values()), min(lengths.values())
+def facts_of_system(scene: SystemScene) -> FloatArray:
+    """What `kernels/element/scales.py` wants to know of the lines, the words of LineFacts."""
     softest, mass = 0.0, math.fsum(body.mass for body in scene.bodies.values())
     for line in scene.lines.values():
         softness = 0.0
@@ -142,7 +131,7 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
         softest = max(softest, softness)
     words = np.zeros(at.FACT_WORDS)
     facts = at.LineFacts(words, 0)
-    facts.length = longest
+    facts.length = scene.line_length
     facts.damping = min(start_of(scene, name).damping for name in scene.lines)
     facts.softness = softest
     facts.mass = mass
@@ -156,9 +145,24 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
         if item.cable is not None
     )
     facts.bends = not all(flexible)
-    entry.measure(ints, reals, words)
+    return words
+
+
+def fill_settings_of(scene: SystemScene, built: Built) -> None:
+    """Tolerances, water, current, and what follows from the lengths of lines."""
+    from cablemodel.solvers import library as entry
+
+    block = built.block
+    ints, reals = block.ints, block.reals
+    state = Scalars(reals)
+    fill_settings(block, scene)
+    state.plane = 1.0, 0.0
+    rest = block.array(Header.pieces, 2, at.PIECE_WORDS)
+    rest[:, at.Piece.end] = math.inf
+    entry.measure(ints, reals, facts_of_system(scene))
     # Of every line tau times its own length is promised: the shortest one decides.
-    state.time_tolerance *= shortest / longest
+    shortest = min(line.length for line in scene.lines.values())
+    state.time_tolerance *= shortest / scene.line_length
     # A heavy body swings on where drag has long stopped a cable: what it misses adds up.
     if state.memory > 0.0:
         state.memory *= memory_of_bodies(scene)

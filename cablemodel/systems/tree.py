@@ -103,6 +103,8 @@ class Tree:
     clamps: list[tuple[int, str, FloatArray]] = field(default_factory=list)
     """Nodes whose slope a body turns: node, body, direction along the tree in its axes (3,)."""
     masses: list[Mass] = field(default_factory=list)
+    wound: dict[str, list[Segment]] = field(default_factory=dict)
+    """Of each winch, the segment of each cable on its drum, in the order in which they leave."""
 
     def held_at(self, scene: SystemScene, winch: SystemWinch) -> Held:
         """Where a winch is."""
@@ -253,6 +255,7 @@ class _Builder:
         """
         tree = self.tree
         last = tree.segments[top]
+        own = tree.wound.setdefault(name, [])
         place = last.end
         if outward:
             place -= math.fsum(e.length for e in tree.elements.values() if e.segment == top)
@@ -276,6 +279,7 @@ class _Builder:
                     body = None
                 found.append(new)
                 last = new
+            own.append(last)
             place += -cable.length if outward else cable.length
             if not outward:
                 last.end = place

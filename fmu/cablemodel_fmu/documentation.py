@@ -86,7 +86,9 @@ how fast; with another velocity than the scene's it goes straight on until it is
 </ul>
 <h2>Parameters</h2>
 <p>Coefficients are tunable: before the start they change the static equilibrium, later they take
-effect at the next communication step. Bodies in a line are counted from its beginning.</p>
+effect at the next communication step. Lengths of cables are fixed when the initialization ends;
+the state at the start is found for them, branches stay where they are. Cables and bodies in a line
+are counted from its beginning.</p>
 <h2>Outputs</h2>
 <p>Forces and moments of the lines on a vessel are about its origin, all in the earth's axes.</p>
 """

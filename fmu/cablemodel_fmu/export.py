@@ -29,6 +29,7 @@ from cablemodel.solvers.library import BINARIES, description, kernel_hash
 from cablemodel.systems.lines import steady_velocity
 from cablemodel.systems.model import SystemModel
 from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.tables import facts_of_system
 from cablemodel_fmu.archive import write_archive
 from cablemodel_fmu.description import INPUT_TIMING, VESSEL_INPUT, model_description
 from cablemodel_fmu.documentation import (
@@ -48,6 +49,7 @@ from cablemodel_fmu.parts import (
     section,
     signals_of,
 )
+from cablemodel_fmu.parts import lengths as system_lengths
 from cablemodel_fmu.signals import (
     ROOM,
     VR_PARAMETER,
@@ -266,7 +268,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     tension = float(block.scalars.tension_scale)
     speed = max(fastest_vessel(scene), _current_speed(scene))
     constants = system_coefficients(scene, start.built)
-    _check_room(constants)
+    constants += system_lengths(scene, start.built, len(constants))
     signals = signals_of(scene, options.stations, values, constants)
     signals = with_nominals(signals, scene, tension, speed, longest_arm(scene))
     guid = _guid(scene, options)
@@ -276,7 +278,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         stations=options.stations,
         starts=[0.0] * 10,
         frame=steady_velocity(scene),
-        facts=np.zeros(0),
+        facts=facts_of_system(scene),
         coefficients=constants,
         scene_inputs=values[0],
         ignore=options.inputs == "scene",

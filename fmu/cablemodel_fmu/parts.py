@@ -12,6 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.scene.line import Cable
+from cablemodel.scene.schema import longest_stretch
 from cablemodel.solvers.shared import layout as at
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import standing
@@ -20,6 +22,7 @@ from cablemodel.systems.scene import SystemScene
 from cablemodel.variables import (
     CUT_OUTPUTS,
     FREE_BODY_PARAMETERS,
+    SYSTEM_LENGTHS,
     VESSEL_CHOICE,
     VESSEL_STARTS,
     Variable,
@@ -29,7 +32,12 @@ from cablemodel.variables import (
 from cablemodel_fmu.model_file import name_words
 from cablemodel_fmu.signals import (
     LARGEST,
+    LONGEST,
+    OF_DRUM,
     OF_FREE,
+    OF_LINE,
+    SHORTEST,
+    VR_PARAMETER,
     Coefficient,
     Coefficients,
     Signal,
@@ -128,6 +136,59 @@ def coefficients(scene: SystemScene, built: Built) -> list[Coefficient]:
             signal, word = weight.fmu.replace("NAME", name), at.FreeBody.buoyancy.word
             found.add(weight, signal, free.submerged_weight, OF_FREE, word, index, -1.0, None)
     return found.rows
+
+
+def lengths(scene: SystemScene, built: Built, first: int) -> list[Coefficient]:
+    """Of the cables of each line, from its beginning, and of those on each winch's drum, in the
+    order in which they leave. first: how many parameters come before them.
+
+    Branches stay where they are: what is before one is the scene's.
+    """
+    tree = built.tree
+    of_line, on_drum = SYSTEM_LENGTHS
+    places: list[tuple[str, Cable, int, int, int, bool]] = []
+    for name, line in scene.lines.items():
+        cables = [item.cable for item in line.items if item.cable is not None]
+        branches = [end.at or 0.0 for other in scene.lines.values() for end in other.ends
+                    if end.line == name]  # fmt: skip
+        arc = 0.0
+        for number, cable in enumerate(cables, start=1):
+            row = next(n for n, part in enumerate(tree.segments) if part.cable is cable)
+            fixed = any(place > arc + 1e-9 for place in branches)
+            places.append((name, cable, number, OF_LINE, row, fixed))
+            arc += cable.length
+    for name, winch in scene.winches.items():
+        segments = tree.wound[name]
+        for number, (cable, own) in enumerate(
+            zip(winch.drum_cables, segments, strict=True), start=1
+        ):
+            row = next(n for n, part in enumerate(tree.segments) if part is own)
+            places.append((name, cable, number, OF_DRUM, row, False))
+    movable, winches = is_movable(scene), list(scene.winches)
+    found: list[Coefficient] = []
+    for name, cable, number, kind, row, fixed in places:
+        entry = of_line if kind == OF_LINE else on_drum
+        settable = movable and not fixed
+        signal = Signal(
+            entry.fmu.replace("NAME", name).replace("[n]", f"[{number}]"),
+            VR_PARAMETER + first + len(found),
+            "Real",
+            "parameter",
+            "fixed",
+            entry.unit,
+            f"{name}: {entry.quantity}",
+            cable.length,
+            cable.length * (SHORTEST if settable else 1.0),
+            cable.length * (LONGEST if settable else 1.0),
+        )
+        of_type = scene.cable_types[cable.type]
+        if kind == OF_LINE:
+            weight = of_type.typical_weight(scene.environment.gravity)
+            found.append(Coefficient(signal, kind, 0, row, weight, longest_stretch(of_type)))
+        else:
+            counted = float(cable.elements is not None)
+            found.append(Coefficient(signal, kind, winches.index(name), row, 0.0, counted))
+    return found
 
 
 def inputs(scene: SystemScene) -> list[Signal]:

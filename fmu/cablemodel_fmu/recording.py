@@ -24,6 +24,8 @@ from cablemodel_fmu.export import block_of
 
 _APPLIED = 10
 """Word of a state where the inputs of the last step are; `Controls` in c/cable.h."""
+_LAST_STEP = _APPLIED + at.INPUT_WORDS + 8 + 1 + 10 + 6 + 1 + 30
+"""And where the length of that step is: behind choices, start time, inputs, starts and slopes."""
 
 
 class FmuLog:
@@ -62,7 +64,8 @@ class FmuLog:
         """Take over a step that was made; fmpy goes on.
 
         Raises:
-            CableModelError: a parameter is not that of the scene.
+            CableModelError: a parameter is not that of the scene; or the step did not begin where
+                the log ends: one was left out, or taken back.
         """
         slave = recorder.fmu
         self._check_parameters(slave)
@@ -72,8 +75,16 @@ class FmuLog:
         finally:
             slave.freeFMUstate(state)
         given = self.model.take(words)
-        if self.model.reached > self.model.time:
-            self.recorder.step_to(self.model.reached, **given)
+        before, reached = self.model.time, self.model.reached
+        if reached == before:
+            return True
+        step = float(words[_LAST_STEP : _LAST_STEP + 1].view(np.float64)[0])
+        if abs(reached - step - before) > 1e-9 * (abs(reached) + step):
+            raise CableModelError(
+                f"the FMU stepped from {reached - step:g} to {reached:g} s, and the log ends at "
+                f"{before:g} s: a log holds every step once, in order"
+            )
+        self.recorder.step_to(reached, **given)
         return True
 
     def _check_parameters(self, slave: Any) -> None:

@@ -114,13 +114,14 @@ class Coefficient:
     signal: Signal
     kind: int
     word: int
-    """Of a coefficient: word = factor times value."""
+    """Of a coefficient: word = factor times value. Of a length on a drum of a system: the winch."""
     index: int
     """Cable type, row of the body table, or row of the cable table."""
     factor: float
     """Of a length of the line: its part in the typical tension [N/m]."""
     reach: float = 0.0
-    """Of a length of the line: how far it can reach when stretched, in lengths."""
+    """Of a length of the line: how far it can reach when stretched, in lengths. Of one on a drum of
+    a system: 1 where the scene counts its elements."""
 
 
 def axes_of(unit: str, name: str = "") -> tuple[str, ...]:

@@ -237,7 +237,7 @@ class CableNode(LifecycleNode):
         for note in session.rig.notes:
             self.get_logger().warning(note)
         self._diagnostics = Diagnostics(session, self._loop)
-        self._neighbours = Neighbours(self, session)
+        self._neighbours = Neighbours(self, session, follows=self._foreign is not None)
         self._failed = self.create_guard_condition(self._fail)
         self._entities.append(lambda: self.destroy_guard_condition(self._failed))
         self._entities.append(Inputs(self, session, self._foreign, self._on_failure).destroy)

@@ -195,8 +195,11 @@ class Recorder:
 
     def _flush(self) -> None:
         assert self._writer is not None
+        path = self._writer.path
+        if path.stat().st_size < self.written:
+            raise OSError(f"{path} is shorter than what was written to it")
         self._writer.flush()
-        self.written = self._writer.path.stat().st_size
+        self.written = path.stat().st_size
         if not self._flushed:
             # Only now is the new file worth an old one.
             self._flushed = True

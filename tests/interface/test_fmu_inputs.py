@@ -109,6 +109,32 @@ def test_a_position_beside_a_velocity_is_said_to_be_ignored(scheduled):
     slave.close()
 
 
+@pytest.mark.parametrize(
+    ("inputs", "said"),
+    [
+        ({"vessel.velocity": (0, 0, 0), "payout.rate": 0.0}, ["vessel.velocity", "payout.rate"]),
+        ({"vessel.velocity": (0, 0, 0), "payout.rate": 0.2}, ["vessel.velocity"]),
+        ({"vessel.velocity": (0, 0.1, 0)}, []),
+        ({"current.velocity": (0, 0, 0)}, []),
+    ],
+)
+def test_zeros_that_take_over_from_the_scene_are_asked_about(scheduled, inputs, said):
+    """As masters hand them out for what is not connected; where inputs drive anyway, or are 0 at
+    first, they are meant."""
+    slave, told = Slave(*scheduled), Slave(*scheduled, use_scene_inputs=False)
+    for _ in range(12):
+        for one in (slave, told):
+            for name, value in inputs.items():
+                one.set(name, value)
+            one.step(0.5)
+    assert len(warnings(slave)) == len(said)
+    for name, words in zip(said, warnings(slave), strict=True):
+        assert f"{name} has been 0 for 10 steps, and takes the place of what the scene" in words
+    assert warnings(told) == []
+    slave.close()
+    told.close()
+
+
 @pytest.mark.parametrize("who", [{}, {"use_scene_inputs": False}])
 @pytest.mark.parametrize("name", ["vessel.velocity", "vessel.position"])
 def test_of_position_and_velocity_one_that_is_set_alone_drives_alone(scheduled, who, name):

@@ -1,10 +1,13 @@
 """The log of an FMU's run in fmpy replays like any other."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
+from fmu_tools import Slave
 
 import cablemodel as cm
 from cablemodel.results.replay import replay
@@ -48,6 +51,36 @@ def test_it_replays_to_the_last_bit(fmu, tmp_path, driven):
     found = replay(run)
     assert found.expected_exact
     assert found.exact, found.differences
+
+
+@pytest.mark.parametrize("taken_back", [False, True])
+def test_steps_that_are_left_out_or_taken_back_are_refused(fmu, tmp_path, taken_back):
+    """What was logged would be no run."""
+    place = tmp_path / "fmu"
+    description = fmpy.read_model_description(str(fmu))
+    slave = Slave(fmpy.extract(str(fmu), str(place)), description)
+    master = SimpleNamespace(fmu=slave.fmu)
+
+    def run_it() -> None:
+        with FmuLog(fmu, tmp_path / "run.mcap") as log:
+            for _ in range(2):
+                slave.step(0.5)
+                log(slave.time, master)
+            if taken_back:
+                state = slave.fmu.getFMUstate()
+                slave.step(0.5)
+                log(slave.time, master)
+                slave.fmu.setFMUstate(state)
+                slave.time -= 0.5
+            else:
+                slave.step(0.5)
+            slave.step(0.75)
+            log(slave.time, master)
+
+    with pytest.raises(cm.CableModelError, match="a log holds every step once, in order"):
+        run_it()
+    slave.close()
+    assert cm.open_run(tmp_path / "run.mcap").time[-1] == (1.5 if taken_back else 1.0)
 
 
 def test_a_run_with_other_parameters_is_refused(fmu, tmp_path):

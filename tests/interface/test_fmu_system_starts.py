@@ -135,6 +135,9 @@ CASES: dict[str, Any] = {
     ),
     "chains on the floor": (moored, ASIDE, None),
     "a path, foils and waves": (tow, {"tug": {"position": [4, -6, 0.5]}}, None),
+    "a clamp whose line is moved along with it": (tow, {
+        "tug": {"position": [3, 0, 0]}, "crane": {"position": [3, 60, 3]}
+    }, None),
 }  # fmt: skip
 
 
@@ -378,6 +381,19 @@ def test_a_start_that_stretches_lines_is_warned_of(tmp_path: Path) -> None:
         assert [status for status, _ in slave.messages] == [1]
         words = slave.messages[0][1].split("at this start a line is stretched by ")[1].split()
         assert float(words[0]) == pytest.approx(25.0, abs=0.5)
+        assert words[1:3] == ["per", "cent:"]  # a percent sign would be a format to the logger
+        slave.close()
+
+
+def test_angles_of_a_start_that_look_like_degrees_are_asked_about(tmp_path: Path) -> None:
+    with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"b.start_attitude": (0, 0, -6.2)})
+        assert slave.messages == []
+        slave.close()
+        slave = Slave(*found, **{"b.start_attitude": (0, 0, 90)})
+        assert [status for status, _ in slave.messages] == [1]
+        asked = "b.start_attitude[3] is 90 rad, more than a turn: was it meant in degrees?"
+        assert asked in slave.messages[0][1]
         slave.close()
 
 

@@ -412,6 +412,19 @@ def test_pay_out_without_cable_on_the_drum_is_warned_of(tmp_path: Path) -> None:
 HOISTED = [{"t": 0, "rate": 0.0}, {"t": 1, "rate": 0.3}, {"t": 3, "rate": -0.1}]
 
 
+def test_zeros_that_take_over_from_the_scene_are_asked_about(towed: Any) -> None:
+    """Of a vessel on its path; not of a crane that is moved."""
+    slave = Slave(*towed[1:])
+    for k in range(12):
+        slave.set("tug.velocity_input", (0, 0, 0))
+        slave.set("crane.velocity_input", (2.0 if k else 0.0, 0, 0))
+        slave.step(0.25)
+    asked = "tug.velocity_input[1] has been 0 for 10 steps, and takes the place of what the scene"
+    assert [status for status, _ in slave.messages] == [1]
+    assert asked in slave.messages[0][1]
+    slave.close()
+
+
 @pytest.mark.parametrize(
     ("changes", "scheduled"),
     [

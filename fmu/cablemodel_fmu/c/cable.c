@@ -208,6 +208,33 @@ const char *first_jump(Cable *cable, double dt) {
     return cable->message;
 }
 
+int is_zero(const double *vector) { return vector[0] == 0.0 && vector[1] == 0.0 && vector[2] == 0.0; }
+
+/* Whether a scene turns a winch at some time. */
+int turns(const Cable *cable, int64_t winch) {
+    const Winch *row = winch_of(cable->I, winch);
+    const double *rates = cable->M + header(cable->I)->rates + RATE_WORDS * (int64_t)row->first_rate;
+    for (int64_t n = 0; n < (int64_t)row->rates; n++)
+        if (AS(Rate, rates + RATE_WORDS * n)->rate != 0.0) return 1;
+    return 0;
+}
+
+/* The name of an input, by a number of its own, that takes the place of what the scene schedules and is 0,
+   as it is from masters that hand out zeros for what is not connected. NULL: it does not, or is not. */
+const char *zero_input(const Cable *cable, int64_t n) {
+    const Controls *now = &cable->now;
+    if (!now->use_scene_inputs || now->has_slope) return NULL;
+    if (cable->system != NULL) return zero_part_input(cable, n);
+    const int64_t drives = driven(cable);
+    if (n == 0 && (drives & VELOCITY_SET) && vessel_input(cable) != BY_POSITION) {
+        const int moves = header(cable->I)->piece_count > 2 || !is_zero(now->start + 3);
+        return moves && is_zero(now->input + VR_VELOCITY) ? "vessel.velocity" : NULL;
+    }
+    if (n == 1 && !is_direct(cable->I) && (drives & PAYOUT_SET))
+        return now->input[VR_PAYOUT] == 0.0 && turns(cable, 0) ? "payout.rate" : NULL;
+    return NULL;
+}
+
 /* What derivatives and the next step want to know of one that was made. */
 static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
     Controls *now = &cable->now;
@@ -504,8 +531,11 @@ static const char *check_parameter(Cable *cable, const Parameter *p, double valu
         return "a length is fixed: set it before the end of the initialization";
     if (value >= p->minimum && value <= p->maximum) return NULL;
     if (p->minimum == p->maximum)
-        return "this line's lengths are those of its given shape or floor: export the scene "
-               "with others";
+        return cable->system != NULL
+                   ? "this length is the scene's: a line branches off beyond, or friction holds bodies or what "
+                     "was laid: export the scene with another"
+                   : "this line's lengths are those of its given shape or floor: export the scene "
+                     "with others";
     return check_range(cable, value, p->minimum, p->maximum);
 }
 

@@ -70,11 +70,13 @@ enum {
    and in the order in which they leave the drum. */
 enum { OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM };
 typedef struct {
-    int64_t kind, word;
+    int64_t kind, word; /* of a length on a drum of a system, the winch */
     int64_t index; /* of the cable type, row of the table of bodies, free bodies or cables */
     double factor; /* of a length of the line: its part in the typical tension [N/m] */
     double start, minimum, maximum;
-    double reach; /* of a length of the line: how far it can reach when stretched, in lengths */
+    /* Of a length of the line: how far it can reach when stretched, in lengths. Of one on a drum of a
+       system: 1 where the scene counts its elements. */
+    double reach;
     char name[96]; /* of the variable, ended by zeros */
 } Parameter;
 
@@ -233,11 +235,13 @@ void mark_part_set(Cable *cable, unsigned vr, int derivative);
 VesselStart *vessel_starts(const Cable *cable);
 VesselStart scene_start(const Cable *cable, int64_t vessel);
 int set_system_start(Cable *cable, unsigned vr, double value);
+const char *more_than_a_turn(Cable *cable);
 void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size);
 int velocity_set(const Cable *cable, int64_t vessel);
 const char *ignored_part_input(Cable *cable, unsigned vr);
 const char *idle_winch(Cable *cable, int *inward);
 const char *first_jump_of_parts(Cable *cable, double dt);
+const char *zero_part_input(const Cable *cable, int64_t n);
 int64_t step_system(Cable *cable, double t_end, double dt);
 int64_t vessels_of(const Cable *cable);
 int motion_of(const Cable *cable, unsigned vr, MotionInput *found);
@@ -272,6 +276,9 @@ void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
 const char *first_jump(Cable *cable, double dt);
+int is_zero(const double *vector);
+int turns(const Cable *cable, int64_t winch);
+const char *zero_input(const Cable *cable, int64_t n);
 int is_idle(Cable *cable);
 int is_shortest(const Cable *cable);
 const Summary *summary(Cable *cable);
@@ -301,6 +308,7 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
                         double response[]);
 
 /* lengths.c */
+double length_at(const Cable *cable, int64_t n, double share);
 int lengths_changed(const Cable *cable);
 const Parameter *first_changed(const Cable *cable);
 int differs(const double *a, const double *b);
@@ -313,6 +321,11 @@ double most_bent(const Cable *cable);
 double most_stretched(const Cable *cable);
 void judge_shape(Cable *cable, double bent, double stretched);
 const char *settle_cable(Cable *cable);
+
+/* system_lengths.c */
+void resize_lines(Cable *cable, double from, double to, const double *places, double *grown);
+void measure_lines(Cable *cable);
+const char *check_lengths(Cable *cable);
 
 /* system_start.c */
 const char *settle_system(Cable *cable);

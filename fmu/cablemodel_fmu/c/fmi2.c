@@ -23,6 +23,7 @@ static const struct {
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
 enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID, SHORTEST_SAID = 2 * DRUM_SAID };
+enum { ZERO_STEPS = 10 };
 enum { QUIET = LOG_ERROR | LOG_WARNING | LOG_DISCARD };
 
 typedef struct {
@@ -34,6 +35,8 @@ typedef struct {
     double stop_time;
     int has_stop_time;
     int64_t warned; /* of which inputs that are set and do nothing, and ..._SAID */
+    int watched; /* steps at which zero_input was looked at, of the first ones, */
+    uint64_t zeros; /* and the first 64 inputs for which it held at all of them */
 } Instance;
 
 static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name,
@@ -187,12 +190,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ALLOW(c, P2);
     const char *problem = settle_cable(&in->cable);
     if (problem != NULL) return report(in, fmi2Error, "fmi2ExitInitializationMode: %s", problem);
+    const char *odd = in->cable.system == NULL ? NULL : more_than_a_turn(&in->cable);
+    if (odd != NULL) report(in, fmi2Warning, "fmi2ExitInitializationMode: %s", odd);
     if (in->cable.bent > 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start the line bends %.3g times as "
                "much as the exported elements can follow at the scene's tolerance: export the scene with "
                "these values", in->cable.bent);
     if (in->cable.stretched > 0.0)
-        report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start a line is stretched by %.3g %%: are "
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start a line is stretched by %.3g per cent: are "
                "places and lengths right?", 100.0 * in->cable.stretched);
     if (in->cable.pressed < 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: this start presses the line (lowest tension "
@@ -214,6 +219,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
     restart_cable(&in->cable);
     in->has_stop_time = 0;
     in->warned = 0;
+    in->watched = 0;
     return fmi2OK;
 }
 
@@ -325,6 +331,22 @@ static void warn_at_first(Instance *in, double dt) {
     if (problem == NULL) return;
     in->warned |= JUMP_SAID;
     report(in, fmi2Warning, "fmi2DoStep: %s", problem);
+}
+
+/* Of what was 0 in all of the first steps, and takes the place of the scene's schedule. */
+static void warn_of_zeros(Instance *in) {
+    uint64_t zeros = 0;
+    const char *name;
+    if (in->watched == ZERO_STEPS) return;
+    for (int n = 0; n < 64; n++)
+        if (zero_input(&in->cable, n) != NULL) zeros |= UINT64_C(1) << n;
+    in->zeros = in->watched == 0 ? zeros : in->zeros & zeros;
+    if (++in->watched < ZERO_STEPS) return;
+    for (int n = 0; n < 64; n++)
+        if ((in->zeros >> n & 1) && (name = zero_input(&in->cable, n)) != NULL)
+            report(in, fmi2Warning, "fmi2DoStep: %s has been 0 for %d steps, and takes the place of what the scene "
+                   "schedules: is it connected? If not, set use_scene_inputs to true, or export with inputs 'scene'",
+                   name, ZERO_STEPS);
 }
 
 static void warn_of_idle_winch(Instance *in, const char *name, int inward) {
@@ -471,6 +493,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
         return report(in, fmi2Error, "fmi2DoStep: a step to %g s goes beyond the stop time %g s",
                       point + size, in->stop_time);
     warn_at_first(in, size);
+    warn_of_zeros(in);
     char message[400];
     if (step_cable(cable, end, size, message, sizeof message) != OK)
         return report(in, fmi2Discard, "fmi2DoStep: %s", message);

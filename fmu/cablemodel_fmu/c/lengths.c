@@ -10,7 +10,7 @@
 
 #include "cable.h"
 
-static double length_of(const Cable *cable, int64_t n, double share) {
+double length_at(const Cable *cable, int64_t n, double share) {
     const Parameter *p = &cable->parameters[n];
     return p->start + share * (cable->values[n] - p->start);
 }
@@ -127,7 +127,7 @@ static void scale_elements(Cable *cable, double from, double to) {
             const Parameter *p = &cable->parameters[n];
             if (joint[node] == JOINT_NONE && p->kind == OF_LINE &&
                 (double)p->index == AS(Edge, edge_of(cable, node))->segment)
-                ratio = length_of(cable, n, to) / length_of(cable, n, from);
+                ratio = length_at(cable, n, to) / length_at(cable, n, from);
         }
         AS(Edge, edge_of(cable, node))->length *= ratio;
         AS(Edge, edge_of(cable, node))->nominal *= ratio;
@@ -178,28 +178,28 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
     int64_t last = 0;
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--)
         if (cable->parameters[n].kind == OF_LINE)
-            below += length_of(cable, n, to) + body_below(cable, cable->parameters[n].index);
+            below += length_at(cable, n, to) + body_below(cable, cable->parameters[n].index);
     for (int64_t n = cable->parameter_count - 1; n >= 0; n--) {
         if (cable->parameters[n].kind != OF_LINE) continue;
-        const double length = length_of(cable, n, to);
+        const double length = length_at(cable, n, to);
         last = cable->parameters[n].index;
         double *row = row_of(cable, last);
         if (left <= 0.0) above += body_below(cable, last);
         left -= length;
         below -= body_below(cable, last) + length;
         AS(CableRow, row)->leaves = -below;
-        AS(CableRow, row)->nominal *= length / length_of(cable, n, from);
+        AS(CableRow, row)->nominal *= length / length_at(cable, n, from);
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_DRUM) continue;
         double *row = row_of(cable, cable->parameters[n].index);
-        const double longer = length_of(cable, n, to) / length_of(cable, n, from);
-        most += length_of(cable, n, to);
+        const double longer = length_at(cable, n, to) / length_at(cable, n, from);
+        most += length_at(cable, n, to);
         if (cable->parameters[n].index != last) {
             last = cable->parameters[n].index;
             travel += body_below(cable, last);
         }
-        travel += length_of(cable, n, to);
+        travel += length_at(cable, n, to);
         /* A cable of its own row has elements of the line's mean length, no more than there is
            room for. */
         const int own = AS(CableRow, row)->leaves > 0.0;
@@ -236,7 +236,7 @@ static void measure_line(Cable *cable, double share) {
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
-        const double length = length_of(cable, n, share), longer = length - p->start;
+        const double length = length_at(cable, n, share), longer = length - p->start;
         const double *edge = row_of(cable, p->index) + WORD(CableRow, edge);
         const double dry = AS(Edge, edge)->mass - AS(Edge, edge)->added_mass;
         facts.length += longer;
@@ -415,8 +415,8 @@ static int64_t stretch_line(Cable *cable, double from, double to) {
     const int resized = lengths_changed(cable);
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_LINE) continue;
-        before += length_of(cable, n, from);
-        after += length_of(cable, n, to);
+        before += length_at(cable, n, from);
+        after += length_at(cable, n, to);
     }
     if (resized) scale_elements(cable, from, to);
     measure_line(cable, to);

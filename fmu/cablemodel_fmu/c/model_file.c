@@ -238,7 +238,8 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
             !(p->minimum <= p->start && p->start <= p->maximum))
             return "a parameter is out of range";
         if (p->kind >= OF_LINE) {
-            if (!(p->minimum > 0.0) || !(p->maximum < 1e300))
+            if (!(p->minimum > 0.0) || !(p->maximum < 1e300) ||
+                (is_system(I) && p->kind == OF_DRUM && !within(p->word, 0, header(I)->winch_count - 1)))
                 return "a parameter is out of range";
             continue;
         }
@@ -272,7 +273,8 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     cable->parameter_count = file[F_PARAMETERS];
     cable->image_words = file[F_IMAGE_WORDS];
     cable->block_words = file[F_BLOCK_WORDS];
-    if (!within(cable->stations, 2, 100000) || !within(cable->parameter_count, 0, VR_ZERO - VR_PARAMETER) ||
+    const int64_t most = file[F_SYSTEM_WORDS] != 0 ? VR_SYSTEM_INPUT : VR_ZERO;
+    if (!within(cable->stations, 2, 100000) || !within(cable->parameter_count, 0, most - VR_PARAMETER) ||
         !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
         return "a size is out of range";
     const int64_t row = (int64_t)(sizeof(Parameter) / 8);

@@ -259,6 +259,22 @@ void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
     snprintf(name, size, "%.*s", (int)length, variable);
 }
 
+/* The first angle of a start that was set to more than a turn, in words; NULL: there is none. */
+const char *more_than_a_turn(Cable *cable) {
+    const double turn = 2.0 * 3.14159265358979323846;
+    const Row *rows = cable->system->rows + first_start(cable->system);
+    for (int64_t n = 0; n < cable->system->vessels; n++)
+        for (int i = 0; i < 3; i++) {
+            const double angle = vessel_starts(cable)[n].attitude[i];
+            const Row *row = rows + START_WORDS * n + (START_WORDS - 3) + i;
+            if (angle == row->start || !(fabs(angle) > turn)) continue;
+            snprintf(cable->message, sizeof cable->message,
+                     "%s is %g rad, more than a turn: was it meant in degrees?", row->name, angle);
+            return cable->message;
+        }
+    return NULL;
+}
+
 /* Of a value that is allowed; whether it is another one than before. Until an input of the vessel is set,
    it is what it is at the start. */
 int set_system_start(Cable *cable, unsigned vr, double value) {
@@ -505,6 +521,21 @@ const char *first_jump_of_parts(Cable *cable, double dt) {
 static int in_use(const Cable *cable, int64_t n) {
     const int64_t vessel = n / OF_VESSEL, group = n % OF_VESSEL / 3 * 3;
     return drives(cable, n) && (vessel >= cable->system->vessels || chosen(cable, vessel, group));
+}
+
+/* As zero_input: velocities of vessels, then rates of winches. */
+const char *zero_part_input(const Cable *cable, int64_t n) {
+    const System *s = cable->system;
+    const int64_t winch = n - s->vessels;
+    const int64_t first = winch < 0 ? OF_VESSEL * n + AT_VELOCITY : s->inputs - s->cuts - s->winches + winch;
+    double given[3] = {0};
+    if (winch >= s->winches || !drives(cable, first)) return NULL;
+    for (int64_t i = 0; i < (winch < 0 ? 3 : 1); i++) given[i] = inputs_in(s, cable->values, first + i)->value;
+    if (!is_zero(given)) return NULL;
+    if (winch >= 0) return turns(cable, winch) ? s->rows[first].name : NULL;
+    const Frame *row = AS(Frame, cable->M + header(cable->I)->frames + FRAME_WORDS * n);
+    const int moves = row->count > 1.0 || !is_zero(vessel_starts(cable)[n].velocity);
+    return moves && in_use(cable, first) ? s->rows[first].name : NULL;
 }
 
 /* What is given for a step, in the words of the kernel `drive`; returns whether anything drives, by

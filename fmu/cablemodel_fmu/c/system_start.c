@@ -1,5 +1,5 @@
-/* Starts of a system's vessels, and coefficients, set before the run, and the state that belongs to
-   them.
+/* Starts of a system's vessels, lengths and coefficients, set before the run, and the state that
+   belongs to them.
 
    What cablemodel/systems/build.py makes of a scene's vessels is made of other ones here, on the
    exported elements: vessels go from where the scene has them to where they are wanted, in one part or
@@ -256,8 +256,10 @@ static void find_groups(const Cable *cable, int64_t *group) {
     }
 }
 
-/* Out of what ways of groups are unbalanced by, as if elements were springs: what is held stays. */
-static void unbalanced(const Cable *cable, const int64_t *group, const double *held, const double *way, double *out) {
+/* Out of what ways of groups are unbalanced by, as if elements were springs that have grown (NULL: they
+   have not): what is held stays. */
+static void unbalanced(const Cable *cable, const int64_t *group, const double *held, const double *grown,
+                       const double *way, double *out) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
     const int64_t nodes = header(I)->nodes;
     memset(out, 0, sizeof(double) * (size_t)(3 * nodes));
@@ -266,7 +268,8 @@ static void unbalanced(const Cable *cable, const int64_t *group, const double *h
         const double h = AS(Edge, cable->M + header(I)->edges + node * EDGE_WORDS)->length;
         const int64_t p = 3 * group[parent[node]], c = 3 * group[node];
         for (int i = 0; i < 3; i++) {
-            const double pull = (way[c + i] - way[p + i]) / h;
+            const double more = grown == NULL ? 0.0 : grown[3 * node + i];
+            const double pull = (way[c + i] - way[p + i] - more) / h;
             out[c + i] += pull;
             out[p + i] -= pull;
         }
@@ -283,15 +286,16 @@ static double product(const double *a, const double *b, int64_t count) {
 
 /* Ways of all groups from those of what is held, shared out along the lines: conjugate gradients. work:
    3 times as many words. */
-static void share_out(const Cable *cable, const int64_t *group, const double *held, double *way, double *work) {
+static void share_out(const Cable *cable, const int64_t *group, const double *held, const double *grown, double *way,
+                      double *work) {
     const int64_t nodes = header(cable->I)->nodes, count = 3 * nodes;
     double *rest = work, *along = work + count, *image = work + 2 * count;
-    unbalanced(cable, group, held, way, rest);
+    unbalanced(cable, group, held, grown, way, rest);
     for (int64_t n = 0; n < count; n++) along[n] = rest[n] = -rest[n];
     double size = product(rest, rest, count);
     const double first = size;
     for (int64_t round = 0; round < nodes && size > 1e-12 * first; round++) {
-        unbalanced(cable, group, held, along, image);
+        unbalanced(cable, group, held, NULL, along, image);
         const double step = size / product(along, image, count);
         for (int64_t n = 0; n < count; n++) {
             way[n] += step * along[n];
@@ -303,9 +307,9 @@ static void share_out(const Cable *cable, const int64_t *group, const double *he
     }
 }
 
-/* Lines and bodies after the ends that are held, which have moved since `before`: 6 words of each node.
-   Returns 0 if there is no memory. */
-static int follow_ends(Cable *cable, const double *before) {
+/* Lines and bodies after the ends that are held, which have moved since `before` (6 words of each node),
+   and after lines whose elements have `grown` (3 words). Returns 0 if there is no memory. */
+static int follow_ends(Cable *cable, const double *before, const double *grown) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
     const int64_t nodes = header(I)->nodes;
     int64_t *group = malloc(8 * (size_t)nodes);
@@ -323,7 +327,7 @@ static int follow_ends(Cable *cable, const double *before) {
         for (int i = 0; i < 3; i++)
             way[3 * group[node] + i] = POSITION_OF(cable, node)[i] - before[6 * node + i];
     }
-    share_out(cable, group, held, way, way + 3 * nodes);
+    share_out(cable, group, held, grown, way, way + 3 * nodes);
     for (int64_t node = 0; node < nodes; node++)
         for (int i = 0; i < 3; i++) POSITION_OF(cable, node)[i] = before[6 * node + i] + way[3 * group[node] + i];
     for (int64_t node = 1; node < nodes; node++) { /* slopes: half of what each side turns by */
@@ -333,7 +337,8 @@ static int follow_ends(Cable *cable, const double *before) {
         for (int end = 0; end < 2; end++) {
             const int body = joint[ends[end]] == JOINT_FREE || joint[ends[end]] == JOINT_ROOT_FREE;
             for (int i = 0; i < 3 && !body; i++)
-                POSITION_OF(cable, ends[end])[3 + i] += 0.5 * (way[3 * group[node] + i] - way[3 * group[ends[0]] + i]) / h;
+                POSITION_OF(cable, ends[end])[3 + i] +=
+                    0.5 * (way[3 * group[node] + i] - way[3 * group[ends[0]] + i] - grown[3 * node + i]) / h;
         }
     }
     free(group);
@@ -515,14 +520,18 @@ static int64_t let_friction_hold(Cable *cable) {
 
 /* From a share of the way to another one. */
 static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
-    double velocity[3], *before = malloc(sizeof(double) * (size_t)(6 * header(cable->I)->nodes));
+    const int64_t nodes = header(cable->I)->nodes;
+    double velocity[3], *before = calloc((size_t)(9 * nodes), sizeof(double));
     if (before == NULL) return NO_CAPACITY;
+    double *grown = before + 6 * nodes;
     velocity_at(way, to, velocity);
     turn_system(cable, (to - from) * way->turn);
-    memcpy(before, POSITION_OF(cable, 0), sizeof(double) * (size_t)(6 * header(cable->I)->nodes));
+    memcpy(before, POSITION_OF(cable, 0), sizeof(double) * (size_t)(6 * nodes));
     place_vessels(cable, to, velocity);
     cablemodel_place_supports(cable->I, cable->block_words);
-    const int followed = follow_ends(cable, before);
+    resize_lines(cable, from, to, before, grown);
+    const int followed = follow_ends(cable, before, grown);
+    cablemodel_place_supports(cable->I, cable->block_words); /* clamps do not turn with the line */
     free(before);
     restore_bending(cable);
     return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
@@ -562,15 +571,20 @@ static const char *start_flowing(Cable *cable) {
     return NULL;
 }
 
-/* What is to be told of such a start: as `judge` of lengths.c. */
-static void judge(Cable *cable, double bent, double stretched) {
+/* The lowest tension, where it presses a line more than it may be wrong by; else 0. */
+static double pressed_by(const Cable *cable) {
     const Scalars *state = scalars(cable->M);
     const double allowed = 10.0 * state->tolerance * fmax(state->largest_tension, state->tension_scale);
     double lowest = 0.0;
     for (int64_t node = 0; node < header(cable->I)->nodes; node++)
         lowest = fmin(lowest, cable->M[header(cable->I)->tension + 2 * node]);
+    return lowest < -allowed ? lowest : 0.0;
+}
+
+/* What is to be told of such a start: as `judge` of lengths.c. */
+static void judge(Cable *cable, double bent, double stretched) {
     judge_shape(cable, bent, stretched);
-    cable->pressed = lowest < -allowed ? lowest : 0.0;
+    cable->pressed = pressed_by(cable);
 }
 
 static const char *search(Cable *cable) {
@@ -580,8 +594,11 @@ static const char *search(Cable *cable) {
     int64_t status = OK, *kept = copy_of_image(cable);
     if (kept == NULL) return "out of memory";
     run_winches(cable, 0);
+    measure_lines(cable);
     scalars(cable->M)->third_mode = STABILISATION * scalars(cable->M)->tension_scale;
     forget_stabilisation(cable);
+    /* A line that got too long at once may be found pressed, where it would have bent. */
+    const int longer = lengths_changed(cable) && pressed_by(cable) == 0.0;
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
         const double next = fmin(1.0, done + part);
@@ -589,6 +606,7 @@ static const char *search(Cable *cable) {
         if (part < 1.0) header(cable->I)->maximum_steps = FEW_STEPS; /* what is near is soon found */
         status = go_on(cable, &way, done, next);
         header(cable->I)->maximum_steps = header(initial_image(cable))->maximum_steps;
+        if (status == OK && longer && pressed_by(cable) != 0.0) status = STATICS_FAILED;
         if (status == OK) {
             done = next;
             continue;
@@ -621,6 +639,19 @@ static void move_origin(Cable *cable, const double way[3]) {
     memcpy(POSITION_OF(cable, 0), kept, bytes);
 }
 
+/* Lengths that are set, with vessels where they are to begin. */
+static const char *refuse_lengths(Cable *cable) {
+    double velocity[3];
+    if (!lengths_changed(cable)) return NULL;
+    const Way way = way_of(cable);
+    velocity_at(&way, 1.0, velocity);
+    place_vessels(cable, 1.0, velocity);
+    cablemodel_place_supports(cable->I, cable->block_words);
+    const char *problem = check_lengths(cable);
+    restore_exported(cable);
+    return problem;
+}
+
 /* From the exported state, so that it does not matter in which order values were set. */
 const char *settle_system(Cable *cable) {
     int changed = 0, moved = 0;
@@ -645,7 +676,8 @@ const char *settle_system(Cable *cable) {
         move_origin(cable, way);
         return NULL;
     }
-    problem = search(cable);
+    problem = refuse_lengths(cable);
+    if (problem == NULL) problem = search(cable);
     if (problem != NULL) take_exported(cable);
     return problem;
 }

@@ -215,6 +215,56 @@ def test_plain_twist_on_request(start_node: Start, talker: Talker) -> None:
     assert watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=1e-6)
 
 
+def test_rates_of_roll_and_pitch_move_the_tow_point_by_its_arm(
+    start_node: Start, talker: Talker
+) -> None:
+    """Three metres above the point about which the vessel rolls and pitches."""
+    start_node(vessel_input="cmd_vel", autostart=True, rate=50, diagnostics_rate=10,
+               tow_point="[0.0, 0.0, 3.0]")  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: len(watch.tension) > 3, 300)
+    publisher = talker.node.create_publisher(TwistStamped, "cmd_vel", 1)
+    message = TwistStamped()
+    message.header.frame_id = "map"
+
+    def send() -> None:
+        message.header.stamp = talker.node.get_clock().now().to_msg()
+        publisher.publish(message)
+
+    talker.repeat(50.0, send)
+    message.twist.angular.x = 0.01
+    wait_until(lambda: watch.velocity == pytest.approx([0.0, -0.03, 0.0], abs=2e-3))
+    message.twist.angular.x, message.twist.angular.y = 0.0, 0.02
+    wait_until(lambda: watch.velocity == pytest.approx([0.06, 0.0, 0.0], abs=5e-3))
+
+
+def test_odometry_with_empty_frames_is_what_the_message_means(
+    start_node: Start, talker: Talker
+) -> None:
+    """The pose in `odom_frame`, the twist in the vessel's axes: a vessel that heads north."""
+    start_node(vessel_input="odom", odom_relative=True, autostart=True, rate=50,
+               diagnostics_rate=10)  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: len(watch.tension) > 3, 300)
+    publisher = talker.node.create_publisher(Odometry, "/cable/odom", 1)
+    begin = talker.node.get_clock().now().nanoseconds
+
+    def send() -> None:
+        stamp = talker.node.get_clock().now()
+        message = Odometry()
+        message.header.stamp = stamp.to_msg()
+        message.pose.pose.position.y = 0.3e-9 * (stamp.nanoseconds - begin)
+        orientation = message.pose.pose.orientation
+        orientation.z = orientation.w = math.sqrt(0.5)
+        message.twist.twist.linear.x = 0.3
+        publisher.publish(message)
+
+    talker.repeat(50.0, send)
+    wait_until(lambda: watch.velocity == pytest.approx([0.0, 0.3, 0.0], abs=0.02))
+    assert watch.value("commands", "odom refused") == "0"
+    assert not watch.said("commands", "contradicts itself")
+
+
 def test_at_default_limits_live_odometry_is_met_and_limits_are_idle(
     start_node: Start, talker: Talker
 ) -> None:

@@ -140,6 +140,49 @@ def test_what_the_graph_shows_to_be_wrong_is_told(
     assert node.text.count("cmd_vel comes as") == 1
 
 
+def test_commands_and_clocks_of_two_senders_and_topics_that_nothing_takes_are_told(
+    start_node: Start, talker: Talker
+) -> None:
+    """Two controllers of one vessel, a second clock, odometry of a vessel that cmd_vel moves, and a
+    command by a wrong name; what runs as it should, and what left, is not."""
+    import rclpy
+    from geometry_msgs.msg import TwistStamped
+    from nav_msgs.msg import Odometry
+    from rosgraph_msgs.msg import Clock
+
+    from .helmsman import Helmsman, Watch
+
+    watch = Watch(talker)
+    told = partial(watch.said, "commands")
+    node = start_node(vessel_input="cmd_vel", autostart=True, diagnostics_rate=10.0,
+                      publish_clock=True)  # fmt: skip
+    helmsman = Helmsman(talker)
+    helmsman.stamped, helmsman.rate = False, 0.1
+    wait_until(lambda: watch.velocity == [0.0, 0.0, 0.0], STARTS_IN)
+    watch.diagnostics.clear()
+    wait_until(lambda: len(watch.diagnostics) > 10)
+    for words in ("take turns", "to and fro", "nothing takes it"):
+        assert not told(words)
+    other = rclpy.create_node("other", context=talker.context)
+    for kind, topic in ((TwistStamped, "cmd_vel"), (Clock, "/clock"), (Odometry, "/cable/odom"),
+                        (Float64, "/cable/payout_rate_command")):  # fmt: skip
+        other.create_publisher(kind, topic, 1)
+    wait_until(lambda: told("cmd_vel comes from /other and /talker: they take turns"))
+    wait_until(lambda: told("more than one node publishes /clock: time goes to and fro"))
+    takes = "comes from other, and nothing takes it: cmd_vel, payout_rate_cmd"
+    wait_until(lambda: told(f"odom {takes}"))
+    wait_until(lambda: told(f"payout_rate_command {takes}"))
+    assert "they take turns" in node.text
+    other.destroy_node()
+
+    def nothing_told() -> bool:
+        watch.diagnostics.clear()
+        wait_until(lambda: len(watch.diagnostics) > 3)
+        return not any(told(words) for words in ("to and fro", "take turns", "nothing takes it"))
+
+    wait_until(nothing_told)
+
+
 def test_following_a_clock_and_making_one_exclude_each_other(
     start_node: Start, talker: Talker
 ) -> None:

@@ -177,6 +177,42 @@ def test_a_log_whose_folder_fails_goes_on_when_its_cause_is_gone(
     assert cm.open_run(path).complete
 
 
+def test_a_log_that_is_shortened_is_given_up_for_a_new_file(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    """By what rotates logs in place, say: what follows would stand behind a hole."""
+    folder = tmp_path / "log"
+    node = start_node(vessel_input="scene", payout_input="scene", autostart=True, rate=50,
+                      log__folder=folder, diagnostics_rate=10)  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: any(int(size) > 0 for size in watch.known("log", "bytes")), 300)
+    (first,) = folder.glob("cable_*.mcap")
+    first.write_bytes(b"")
+    wait_until(lambda: watch.said("log", "is shorter than what was written to it"))
+    wait_until(lambda: watch.said("log", "a new file begins after the gap"), 60)
+    time.sleep(1.0)
+    assert node.stop() == 0
+    (second,) = set(folder.glob("cable_*.mcap")) - {first}
+    assert cm.open_run(second).complete
+
+
+def test_rotation_leaves_files_of_the_users_own(
+    start_node: Start, talker: Talker, tmp_path: Path
+) -> None:
+    """Though they are called as the node calls its files."""
+    folder = tmp_path / "log"
+    folder.mkdir()
+    own = folder / "cable_20200101T000000_0000.mcap"
+    own.write_text("of the user's own")
+    node = start_node(**FREE_RUN, log__folder=folder, log__max_size=0.1, log__max_files=2,
+                      real_time_factor=20.0, diagnostics_rate=10)  # fmt: skip
+    watch = Watch(talker)
+    wait_until(lambda: any(int(count) > 4 for count in watch.known("log", "files")), 300)
+    assert node.stop() == 0
+    assert own.read_text() == "of the user's own"
+    assert len(list(folder.glob("cable_*.mcap"))) == 3
+
+
 def test_a_controller_may_die_and_come_back(start_node: Start, talker: Talker) -> None:
     start_node(vessel_input="cmd_vel", autostart=True, rate=50, diagnostics_rate=10)
     applied = talker.listen("/cable/applied_cmd_vel", TwistStamped)
