@@ -158,10 +158,12 @@ def _let_friction_hold(block: Block) -> bool:
 
     if block.header.floor_kind == at.FLOOR_NONE or block.scalars.friction == 0.0:
         return False
-    before, lengths = block.image.copy(), np.empty(3)
-    if entry.lay_to_anchors(block.ints, block.reals, lengths) == at.NOTHING:
+    lengths = firm_friction.lengths_of(block)
+    if lengths is None:
         return False
-    if not firm_friction.take_hold(block, firm_friction.Lengths(*lengths.tolist())):
+    before = block.image.copy()
+    entry.lay_to_anchors(block.ints, block.reals)
+    if not firm_friction.take_hold(block, lengths):
         block.take(before)
         return False
     hold_supports(block)

@@ -36,6 +36,7 @@ RARE_ENTRIES = (
     "force_rate",
     "force_response",
     "lay_to_anchors",
+    "lengths_of_bristles",
     "measure",
     "measure_bends",
     "parts",

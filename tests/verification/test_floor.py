@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 
 import cablemodel as cm
 from tests.verification.references.lays import ARMOURED, LIGHT, lay_angle
+from tests.verification.references.lumped_lay import anchored_in_heave
 from tests.verification.references.moored import moored_catenary
 from tests.verification.scenes import CABLE_K
 
@@ -193,6 +194,70 @@ def test_an_anchor_hardly_feels_a_vessel_that_moves_off(kind, friction):
     assert found[0] == pytest.approx(tension[0], abs=0.2 * promised)
     assert found == pytest.approx(tension, abs=9.0 * promised)
     assert found[-1] == pytest.approx(tension[-1], abs=8.5 * promised)
+
+
+CHAIN = {
+    "diameter": 0.036, "mass": 7.9, "submerged_weight": 67.0, "axial_stiffness": 32e6,
+    "axial_damping": 6400.0, "drag_normal": 1.2, "drag_tangential": 0.01,
+}  # fmt: skip
+WIRE_ROPE = {
+    "diameter": 0.05, "mass": 10.0, "submerged_weight": 78.0, "axial_stiffness": 90e6,
+    "axial_damping": 18000.0, "drag_normal": 1.2, "drag_tangential": 0.01,
+}  # fmt: skip
+IN_HEAVE = {
+    "chain": (CHAIN, 50.0, 80.0, 85.0, 0.6),
+    "long chain": (CHAIN, 80.0, 150.0, 200.0, 0.9),
+    "wire rope": (WIRE_ROPE, 100.0, 160.0, 240.0, 0.4),
+}
+"""Cable, depth [m], length that may hang and that lies [m], friction."""
+
+
+@pytest.mark.parametrize("kind", IN_HEAVE)
+def test_an_anchor_feels_what_friction_leaves_of_heave(kind):
+    """A vessel that drifts off and heaves, beside masses with Coulomb's friction: tension works its
+    way to the anchor bit by bit, and stays there."""
+    cable_type, depth, hangs, lies, friction = IN_HEAVE[kind]
+    length, across = hangs + lies, 0.92 * np.sqrt(hangs**2 - depth**2) + lies
+    off = 0.02 * np.sqrt(hangs**2 - depth**2)
+
+    def motion(t):
+        drifts = np.where(t < 30.0, off / 15.0 * np.sin(np.pi * t / 30.0) ** 2, 0.0)
+        heaves = -0.6 * np.pi / 4.0 * np.sin(np.pi * t / 4.0) * np.minimum(1.0, t / 20.0)
+        return np.stack([drifts, heaves], axis=-1)
+
+    line = moored_catenary(
+        across,
+        depth,
+        length,
+        cable_type["submerged_weight"],
+        cable_type["axial_stiffness"],
+        friction,
+    )
+    expected = anchored_in_heave(
+        line, length, 200, motion, kind=cable_type, depth=depth, duration=60.0, interval=0.2
+    )
+    t = np.linspace(0.0, 60.0, 601)
+    speeds = [
+        {"t": float(at), "velocity": [-drift, 0.0, heave]}
+        for at, (drift, heave) in zip(t, motion(t).tolist(), strict=True)
+    ]
+    model = on_floor(
+        [cable(length, "cable")],
+        {"z": 0, "friction": friction},
+        1e-3,
+        None,
+        cable_type,
+        end={"anchor": [across, 0.0, 0.0]},
+        vessel={"position": [0, 0, depth], "velocity": speeds, "interpolation": "cubic"},
+    )
+    found = []
+    for at in 0.2 * np.arange(1, 301):
+        model.step_to(at)
+        found.append(model.sample([length, 0.0]).tension)
+    promised = 10.0 * 1e-3 * expected.max()
+    off = np.abs(np.array(found) - expected) / promised
+    assert np.all(np.sqrt((off**2).mean(axis=0)) < [0.9, 0.6])
+    assert off[:, 0].max() < 2.5
 
 
 # A cable let down to the floor --------------------------------------------------------------------

@@ -493,11 +493,12 @@ static int64_t let_friction_hold(Cable *cable) {
     if (header(cable->I)->floor_kind == FLOOR_NONE || state->friction == 0.0) return OK;
     int64_t *before = copy_of_image(cable);
     if (before == NULL) return NO_CAPACITY;
-    const int64_t lies = cablemodel_lay_to_anchors(cable->I, cable->block_words, lengths, 3);
+    const int64_t lies = cablemodel_lengths_of_bristles(cable->I, cable->block_words, lengths, 3);
     if (!(fabs(state->bristle - lengths[0]) <= 1e-9 * lengths[0]))
         scalars((double *)before)->bristle = state->bristle = lengths[0];
     int64_t status = OK;
     if (lies != NOTHING) {
+        cablemodel_lay_to_anchors(cable->I, cable->block_words);
         status = on_shorter(cable, lengths[0], lengths[1]);
         if (status == OK && !takes_up(cable, before)) status = STATICS_FAILED;
         if (status == OK) {

@@ -1,4 +1,5 @@
-"""A lay in waves by lumped masses: explicit, flexible, with Coulomb's friction on a level floor.
+"""Lays and anchored lines in heave by lumped masses: explicit, flexible, with Coulomb's friction on
+a level floor.
 
 Nothing of it is shared with the solvers: equal masses, springs that do not push, half of the drag
 and added mass of each side, an explicit step far below the time in which a wave passes a spring.
@@ -7,17 +8,22 @@ and added mass of each side, an explicit step far below the time in which a wave
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from tests.verification.references.moored import MooredCatenary
 
 FloatArray = NDArray[np.float64]
 
 FLOOR_GIVES = 0.01
 """By which cable at rest sinks into the floor [m]."""
 FRICTION_HOLDS = 3e-4
-"""Way on which friction takes hold [m]."""
+"""Way on which friction takes hold of a lay [m]."""
+ANCHORED_HOLDS = 2e-5
+"""Of an anchored line, whose anchor feels what it lets through [m]."""
 
 
 @njit(cache=True)
@@ -58,7 +64,7 @@ def _forces(  # type: ignore[no-untyped-def]
         hard = weight * own / FLOOR_GIVES
         press = -hard * (z[i] + floor[0]) - math.sqrt(hard * cable[4] * own) * w[i]
         if z[i] + floor[0] < 0.0 and press > 0.0:
-            hold = floor[1] * weight * own / FRICTION_HOLDS
+            hold = floor[1] * weight * own / floor[2]
             most = floor[1] * press
             drawn = min(most, max(-most, hold * (x[i] - rest[i])))
             rest[i] = x[i] - drawn / hold
@@ -171,6 +177,96 @@ def lay_in_heave(
     x, z, u, w = np.zeros((4, room))
     x[:n], z[:n] = shape[::-1].T
     outputs = round(duration / interval)
-    numbers = (speed, payout, heave, period, ramp, cable, water, np.array([depth, friction]))
+    numbers = (
+        speed,
+        payout,
+        heave,
+        period,
+        ramp,
+        cable,
+        water,
+        np.array([depth, friction, FRICTION_HOLDS]),
+    )
     tensions: FloatArray = _run(x, z, u, w, n, spacing, *numbers, interval / every, outputs, every)
     return tensions
+
+
+@njit(cache=True)
+def _run_anchored(  # type: ignore[no-untyped-def]
+    x, z, rest, spacing, speeds, cable, water, floor, step, outputs, every
+):
+    """Tensions at the anchor and at the top (outputs, 2); x, z: from the anchor on. speeds: of the
+    top, at every step (steps, 2)."""
+    n = len(x)
+    u, w, fx, fz, ax, az, owns = np.zeros((7, n))
+    tensions = np.zeros((outputs, 2))
+    for k in range(outputs * every):
+        u[n - 1], w[n - 1] = speeds[k]
+        first = math.hypot(x[1] - x[0], z[1] - z[0])
+        along = (u[1] * (x[1] - x[0]) + w[1] * (z[1] - z[0])) / first
+        anchor = max(0.0, (cable[0] * (first - spacing) + cable[1] * along) / spacing)
+        top = _forces(
+            n, x, z, u, w, rest, spacing, spacing, 0.0, cable, water, floor, fx, fz, ax, az, owns
+        )
+        for i in range(1, n - 1):
+            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * owns[i])
+            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * owns[i])
+            u[i] += step * (along * ax[i] - across * az[i])
+            w[i] += step * (along * az[i] + across * ax[i])
+        for i in range(1, n):
+            x[i] += step * u[i]
+            z[i] += step * w[i]
+        if (k + 1) % every == 0:
+            tensions[k // every] = anchor, top
+    return tensions
+
+
+def anchored_in_heave(
+    line: MooredCatenary,
+    length: float,
+    masses: int,
+    motion: Callable[[FloatArray], FloatArray],
+    *,
+    kind: dict[str, float],
+    depth: float,
+    duration: float,
+    interval: float,
+    density: float = 1025.0,
+) -> FloatArray:
+    """Tensions [N] at the anchor and at the top at the end of every interval [s] (n, 2).
+
+    Args:
+        line: the start, from the anchor on.
+        length: unstretched [m].
+        motion: velocity away from the anchor and upwards (n, 2) [m/s] of the top at times (n,) [s].
+        kind: a cable type of a scene, with numbers, axial damping and submerged weight.
+    """
+    s = np.linspace(0.0, length, masses + 1)
+    spacing, area = length / masses, 0.25 * math.pi * kind["diameter"] ** 2
+    mass, weight = kind["mass"], kind["submerged_weight"]
+    cable = np.array(
+        [kind["axial_stiffness"], kind["axial_damping"], weight, mass, mass + density * area]
+    )
+    drag = 0.5 * density * kind["diameter"]
+    water = drag * np.array([kind["drag_normal"], math.pi * kind["drag_tangential"]])
+    x, z = line.position(s).T.copy()
+    lies = s < line.laid
+    z = np.where(lies, -FLOOR_GIVES, z) - depth
+    # Friction bears what tension loses from spring to spring.
+    pull = np.diff(line.tension(s[:-1] + 0.5 * spacing), append=0.0, prepend=0.0)
+    pull = np.where(lies & (s > 0.0), pull, 0.0)
+    most = line.friction * weight * spacing
+    rest = x - np.clip(pull / most, -1.0, 1.0) * ANCHORED_HOLDS
+    step = min(
+        0.25 * spacing * math.sqrt(mass / cable[0]),
+        0.25 * spacing**2 * mass / cable[1],
+        0.3 * math.sqrt(mass * ANCHORED_HOLDS / (line.friction * weight)),
+    )
+    every, outputs = math.ceil(interval / step), round(duration / interval)
+    step = interval / every
+    speeds = motion(step * np.arange(outputs * every))
+    floor = np.array([depth, line.friction, ANCHORED_HOLDS])
+    found: FloatArray = _run_anchored(
+        x, z, rest, spacing, speeds, cable, water, floor, step, outputs, every
+    )
+    return found

@@ -85,9 +85,16 @@ def settle(I, M):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
-def lay_to_anchors(I, M, lengths):
-    """Places of rest of what lies to anchors: firm_friction.lay_to_anchors, which fills 3 words."""
-    return firm_friction.lay_to_anchors(I, M, lengths)
+def lengths_of_bristles(I, M, lengths):
+    """Of lines that lie to anchors [m]: firm_friction.lengths_of_bristles, which fills 3 words."""
+    return firm_friction.lengths_of_bristles(I, M, lengths)
+
+
+@entry_point(int64(INTEGERS, REALS))
+def lay_to_anchors(I, M):
+    """Places of rest of what lies to anchors: firm_friction.lay_to_anchors."""
+    firm_friction.lay_to_anchors(I, M)
+    return 0
 
 
 @entry_point(int64(INTEGERS, REALS, float64))
@@ -296,6 +303,7 @@ ENTRY_POINTS = {
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
     "settle": settle,
+    "lengths_of_bristles": lengths_of_bristles,
     "lay_to_anchors": lay_to_anchors,
     "draw_alike": draw_alike,
     "halve_at_rest": halve_at_rest,

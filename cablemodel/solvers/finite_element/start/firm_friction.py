@@ -11,7 +11,6 @@ Bristles get shorter bit by bit, and what slips is drawn after at each length.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
 from cablemodel.solvers.finite_element.start import search
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -46,7 +44,7 @@ class Lengths:
     short: float
     """As tensions ask."""
     for_steps: float
-    """So that sqrt(promised T) creeps, where steps allow it."""
+    """That steps go on with."""
 
 
 def applies(scene: Scene) -> bool:
@@ -79,21 +77,14 @@ def take_hold(block: Block, lengths: Lengths) -> bool:
     return status == at.OK
 
 
-def lengths_for(block: Block, scene: Scene, promised: float) -> Lengths | None:
-    """Those of a line alone, None where its own bristles are short enough.
+def lengths_of(block: Block) -> Lengths | None:
+    """Those of lines that lie to anchors, None where their own bristles are short enough."""
+    from cablemodel.solvers import library as entry
 
-    promised: what tensions may be wrong by [N].
-    """
-    bristle = float(block.scalars.bristle)
-    of_a_metre = _pull_of_a_metre(scene)
-    short = max(
-        (math.e * promised) ** 2 / of_a_metre, SHORTEST_BRISTLE * float(block.scalars.length)
-    )
-    if short >= bristle:
+    lengths = np.empty(3)
+    if entry.lengths_of_bristles(block.ints, block.reals, lengths) == at.NOTHING:
         return None
-    largest = float(np.abs(block.array(Header.tension, int(block.header.nodes), 2)[:, 0]).max())
-    for_steps = min(bristle, max(FIRM_BRISTLE * bristle, promised * largest / of_a_metre))
-    return Lengths(bristle, short, for_steps)
+    return Lengths(*lengths.tolist())
 
 
 def _on_shorter(block: Block, lengths: Lengths) -> int:
@@ -126,15 +117,3 @@ def _drawn(block: Block) -> int:
             return status
         entry.settle(block.ints, block.reals)
     return int(at.OK)
-
-
-def _pull_of_a_metre(scene: Scene) -> float:
-    """Square of the force that bristles of a metre let through, EA mu w, the largest of the line's
-    cables [N2/m]."""
-    floor = scene.environment.floor
-    assert floor is not None
-    kinds = [scene.cable_types[cable.type] for cable in scene.cables]
-    return max(
-        1e-300,
-        *(floor.friction * kind.submerged_weight / kind.strain_coefficients[0] for kind in kinds),
-    )

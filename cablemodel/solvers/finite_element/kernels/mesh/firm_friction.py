@@ -5,11 +5,14 @@ of rest and the lengths of its bristles (start/firm_friction.py; the FMU's syste
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
-from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    FIRM_BRISTLE,
+    SHORTEST_BRISTLE,
+)
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars
-from cablemodel.solvers.shared.compile import kernel, view
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     HELD_BY_ANCHOR,
@@ -34,33 +37,25 @@ def next_along(I, node, outward):
     return I[head.parent + node]
 
 
-@kernel
-def lay_to_anchors(I, M, lengths):
-    """Make places of rest of what lies to anchors those where it was laid, without tension, from
-    the anchor on along its own way; what lies between two ends and rises nowhere stays free.
+@inlined
+def lies_to(I, M, row):
+    """What lies to the anchor of a constraint, up to where its line rises.
 
-    lengths: filled with the bristles' own length, the shortest that tensions ask, and that for
-    steps [m]. Returns whether anything lies so.
+    Returns the anchor's node (-1: nothing lies to one there), whether its line goes away from the
+    tree's root, the largest tension along it [N], and EA mu w, the largest of what lies [N2/m].
     """
     head = header(I)
     state = scalars(M)
-    dimension = head.dimension
-    size = 2 * dimension
-    bristle = longest_bristle(M)
-    places = view(M, head.position, size * head.nodes)
-    lengths[0] = lengths[1] = lengths[2] = bristle
-    found = NOTHING
-    for row in range(head.constraint_count):
-        held = constraint_of(I, M, row)
-        if int(held.kind) != HELD_BY_ANCHOR:
-            continue
-        anchor = int(held.node)
+    held = constraint_of(I, M, row)
+    anchor = int(held.node) if int(held.kind) == HELD_BY_ANCHOR else -1
+    outward = False
+    largest = pull = 0.0
+    if anchor >= 0:
         outward = next_along(I, anchor, True) != -1
+        places = view(M, head.position, 2 * head.dimension * head.nodes)
         # Past what lies, to the end of the line.
         node = anchor
         hangs = not near_floor(I, M, anchor, places)
-        pull = largest = 0.0
-        lies = 0
         while True:
             before = node
             node = next_along(I, before, outward)
@@ -73,17 +68,49 @@ def lay_to_anchors(I, M, lengths):
             largest = max(largest, abs(M[head.tension + 2 * element]))
             edge = edge_of(I, M, element)
             if not hangs and edge.compliance > 0.0:
-                lies += 1
                 pull = max(pull, state.friction * edge.contact / edge.compliance)
-        if not hangs or lies == 0 or pull == 0.0:
+        if not hangs or pull == 0.0:
+            anchor = -1
+    return anchor, outward, largest, pull
+
+
+@inlined
+def short_bristle(M, largest, pull):
+    """Bristle with which tensions are wrong by as much as is promised [m]."""
+    state = scalars(M)
+    promised = 10.0 * state.tolerance * largest
+    return max((math.e * promised) ** 2 / pull, SHORTEST_BRISTLE * state.length)
+
+
+@kernel
+def lengths_of_bristles(I, M, lengths):
+    """Those of lines that lie to anchors [m]: their own length, the shortest that tensions ask, and
+    that for steps. Returns whether any are shorter than their own."""
+    bristle = longest_bristle(M)
+    lengths[0] = lengths[1] = lengths[2] = bristle
+    for row in range(header(I).constraint_count):
+        anchor, _outward, largest, pull = lies_to(I, M, row)
+        if anchor >= 0:
+            short = short_bristle(M, largest, pull)
+            creeps = 100.0 * scalars(M).tolerance * largest * largest / pull
+            lengths[1] = min(lengths[1], short)
+            lengths[2] = min(lengths[2], max(short, FIRM_BRISTLE * max(bristle, creeps)))
+    return CHANGED if lengths[1] < bristle else NOTHING
+
+
+@kernel
+def lay_to_anchors(I, M):
+    """Make places of rest of what lies to anchors those where it was laid, without tension, from
+    the anchor on along its own way; what lies between two ends and rises nowhere stays free."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    bristle = longest_bristle(M)
+    places = view(M, head.position, size * head.nodes)
+    for row in range(head.constraint_count):
+        anchor, outward, largest, pull = lies_to(I, M, row)
+        if anchor < 0 or short_bristle(M, largest, pull) >= bristle:
             continue
-        promised = 10.0 * state.tolerance * largest
-        short = max((math.e * promised) ** 2 / pull, SHORTEST_BRISTLE * state.length)
-        if short >= bristle:
-            continue
-        found = CHANGED
-        lengths[1] = min(lengths[1], short)
-        lengths[2] = min(lengths[2], max(FIRM_BRISTLE * bristle, promised * largest / pull))
         node = anchor
         stretch = 0.0
         sense = 1.0 if outward else -1.0
@@ -105,7 +132,6 @@ def lay_to_anchors(I, M, lengths):
                 edge = edge_of(I, M, element)
                 tension = M[head.tension + 2 * element]
                 stretch += edge.length * strain_in(M, edge, tension)[0]
-    return found
 
 
 @kernel
