@@ -24,8 +24,8 @@ from cablemodel_fmu.export import block_of
 
 _APPLIED = 10
 """Word of a state where the inputs of the last step are; `Controls` in c/cable.h."""
-_LAST_STEP = _APPLIED + at.INPUT_WORDS + 8 + 1 + 10 + 6 + 1 + 30
-"""And where the length of that step is: behind choices, start time, inputs, starts and slopes."""
+_LAST_STEP = _APPLIED + at.INPUT_WORDS
+"""And the length of that step, behind them."""
 
 
 class FmuLog:

@@ -107,7 +107,9 @@ typedef struct {
     int64_t magic, words, checksum, kernels;
     char guid[40];
     int64_t phase;
-    StepInputs applied; /* what the kernels were given in the last step; recording.py */
+    /* What the kernels were given in the last step, and its length [s], 0: none; recording.py. */
+    StepInputs applied;
+    double last_step;
     int64_t use_scene_inputs, scene_inputs_given, vessel_input, vessel_input_given;
     int64_t input_timing, unsettled;
     int64_t set, position_set_in_run; /* which inputs the master has set: ..._SET */
@@ -117,9 +119,8 @@ typedef struct {
     /* Derivatives of the inputs that the master has set, for the next step only. */
     int64_t has_slope;
     double slope[VR_INPUTS][3];
-    /* The last step: its length [s], 0: none, how much longer it was than the one before, and the
-       inputs set for it. */
-    double last_step, growth, before[VR_INPUTS];
+    /* How much longer the last step was than the one before, and the inputs set for it. */
+    double growth, before[VR_INPUTS];
     int64_t last_mode, last_driven, last_sloped; /* and what drove it */
     int64_t went_on; /* of a line: which inputs drove the step before it, too: ..._SET */
 } Controls;
