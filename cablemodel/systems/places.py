@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cablemodel.solvers.finite_element.start.refinement import (
     LARGEST_STATIC_MESH,
     REFINEMENT_BENT,
-    bends,
+    bends_of,
 )
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -91,7 +91,7 @@ def refined(
 ) -> dict[str, list[FloatArray]] | None:
     """Nodes with those elements halved that bend too much (start/refinement.py); None: none."""
     found, tree = built.elements(), built.tree
-    indicator = bends(built.block)[found.node]
+    indicator = bends_of(built.block)[found.node]
     split: dict[str, set[float]] = {}
     for k in range(len(found.node)):
         segment = tree.segments[found.segment[k]]

@@ -101,11 +101,20 @@ class Slave:
         self.time = start
         if not begin:
             return
-        self.fmu.setupExperiment(startTime=start)
+        self._begin(**values)
+
+    def _begin(self, **values) -> None:
+        self.fmu.setupExperiment(startTime=self.time)
         for name, value in values.items():
             self.set(name, value)
         self.fmu.enterInitializationMode()
         self.fmu.exitInitializationMode()
+
+    def begin_again(self) -> None:
+        """At t = 0, after a reset."""
+        self.fmu.reset()
+        self.time = 0.0
+        self._begin()
 
     def _log(self, environment, name, status, category, message) -> None:
         assert name == b"cable"
@@ -145,6 +154,30 @@ class Slave:
 
     def close(self) -> None:
         self.fmu.freeInstance()
+
+
+def states_of_two_orders(
+    first: Slave,
+    second: Slave,
+    one: tuple[str, float],
+    other: tuple[str, float],
+    wrong: float,
+    read: str,
+) -> list[bytes]:
+    """States after the initialization of two that have not begun: one gets both values as they
+    are given; the other the other way round, `wrong` at first, with outputs read in between."""
+    for slave in (first, second):
+        slave.fmu.setupExperiment()
+        slave.fmu.enterInitializationMode()
+    for name, value in (one, other):
+        first.set(name, value)
+    for name, value in (other, (one[0], wrong)):
+        second.set(name, value)
+        second.get(read)
+    second.set(*one)
+    for slave in (first, second):
+        slave.fmu.exitInitializationMode()
+    return [slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()) for slave in (first, second)]
 
 
 def step_alike(slave: Slave, model, rng: np.random.Generator, dt: float) -> None:

@@ -166,10 +166,7 @@ def test_a_reset_starts_again(still):
     slave.set("cable_types.K.drag_normal", 3.0)
     slave.step(0.5)
     assert errors(slave) != at_start
-    slave.fmu.reset()
-    slave.fmu.setupExperiment()
-    slave.fmu.enterInitializationMode()
-    slave.fmu.exitInitializationMode()
+    slave.begin_again()
     slave.time = 0.0
     assert errors(slave) == at_start
     assert drive(slave, 0, 10) == drive(fresh, 0, 10)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmu_tools import CABLE, Slave, python_outputs, still_scene, unpacked
+from fmu_tools import CABLE, Slave, python_outputs, states_of_two_orders, still_scene, unpacked
 
 import cablemodel as cm
 from cablemodel.solvers.finite_element.block import SIZES, Block
@@ -198,19 +198,9 @@ def test_the_order_in_which_values_are_set_does_not_matter(tmp_path):
     """Nor that outputs are read in between; a reset forgets the lengths."""
     with unpacked(still_scene(), tmp_path, stations=3) as (place, description):
         first, second = (Slave(place, description, begin=False) for _ in range(2))
-        for slave in (first, second):
-            slave.fmu.setupExperiment()
-            slave.fmu.enterInitializationMode()
-        first.set("line.cable[1].length", 25.0)
-        first.set("cable_types.K.submerged_weight", 3.0)
-        for name, value in (("cable_types.K.submerged_weight", 3.0), ("line.cable[1].length", 12)):
-            second.set(name, value)
-            second.get("tension.top")
-        second.set("line.cable[1].length", 25.0)
-        states = []
-        for slave in (first, second):
-            slave.fmu.exitInitializationMode()
-            states.append(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
+        length = ("line.cable[1].length", 25.0)
+        weight = ("cable_types.K.submerged_weight", 3.0)
+        states = states_of_two_orders(first, second, length, weight, 12.0, "tension.top")
         assert states[0] == states[1]
         assert first.get("line.length") == 35.0
         first.fmu.reset()

@@ -164,10 +164,7 @@ def test_reset_starts_again(slave):
     slave.set("vessel.velocity", (0, 0.4, 0))
     slave.step(2.0)
     slave.set("cable_types.K.drag_normal", 3.0)
-    slave.fmu.reset()
-    slave.fmu.setupExperiment()
-    slave.fmu.enterInitializationMode()
-    slave.fmu.exitInitializationMode()
+    slave.begin_again()
     slave.time = 0.0
     assert slave.get("cable_types.K.drag_normal") == 1.0
     assert slave.get("vessel.velocity").tolist() == [0, 0, 0]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmu_tools import Slave, unpacked
+from fmu_tools import Slave, states_of_two_orders, unpacked
 from test_fmu_system_starts import (
     SCENES,
     begun,
@@ -228,19 +228,8 @@ def test_the_order_does_not_matter_and_a_reset_forgets(tmp_path: Path) -> None:
     with unpacked(two_ships(), tmp_path, stations=STATIONS) as found:
         names = [v.name for v in found[1].modelVariables if v.causality == "output"]
         plain, first, second = Slave(*found), *(Slave(*found, begin=False) for _ in range(2))
-        for slave in (first, second):
-            slave.fmu.setupExperiment()
-            slave.fmu.enterInitializationMode()
-        first.set("port.cable[1].length", 70.0)
-        first.set("b.start_position[2]", 50.0)
-        for name, value in (("b.start_position[2]", 50.0), ("port.cable[1].length", 45.0)):
-            second.set(name, value)
-            second.get("net.position")
-        second.set("port.cable[1].length", 70.0)
-        states = []
-        for slave in (first, second):
-            slave.fmu.exitInitializationMode()
-            states.append(slave.fmu.serializeFMUstate(slave.fmu.getFMUstate()))
+        length, start = ("port.cable[1].length", 70.0), ("b.start_position[2]", 50.0)
+        states = states_of_two_orders(first, second, length, start, 45.0, "net.position")
         assert states[0] == states[1]
         other = Slave(*found)
         other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(states[0]))
@@ -248,10 +237,7 @@ def test_the_order_does_not_matter_and_a_reset_forgets(tmp_path: Path) -> None:
             slave.step(0.5)
         assert other.get("port.cable[1].length") == 70.0
         np.testing.assert_array_equal(numbers_of(first, names), numbers_of(other, names))
-        first.fmu.reset()
-        first.fmu.setupExperiment()
-        first.fmu.enterInitializationMode()
-        first.fmu.exitInitializationMode()
+        first.begin_again()
         np.testing.assert_array_equal(numbers_of(first, names), numbers_of(plain, names))
         for slave in (plain, first, second, other):
             slave.close()

@@ -319,10 +319,7 @@ def test_what_has_no_steady_state_is_refused_and_may_be_set_again(tmp_path: Path
             slave.set("b.start_position[2]", 60.0)
         assert "a start is fixed" in slave.messages[-1][1]
         slave.step(0.5)
-        slave.fmu.reset()
-        slave.fmu.setupExperiment()
-        slave.fmu.enterInitializationMode()
-        slave.fmu.exitInitializationMode()
+        slave.begin_again()
         np.testing.assert_array_equal(numbers_of(slave, names), numbers_of(plain, names))
         np.testing.assert_array_equal(slave.get("a.velocity_input"), [1, 0, 0])
         slave.close()

@@ -255,9 +255,9 @@ def test_an_anchor_feels_what_friction_leaves_of_heave(kind):
         model.step_to(at)
         found.append(model.sample([length, 0.0]).tension)
     promised = 10.0 * 1e-3 * expected.max()
-    off = np.abs(np.array(found) - expected) / promised
-    assert np.all(np.sqrt((off**2).mean(axis=0)) < [0.9, 0.6])
-    assert off[:, 0].max() < 2.5
+    wrong = np.abs(np.array(found) - expected) / promised
+    assert np.all(np.sqrt((wrong**2).mean(axis=0)) < [0.9, 0.6])
+    assert wrong[:, 0].max() < 2.5
 
 
 # A cable let down to the floor --------------------------------------------------------------------

@@ -251,11 +251,11 @@ static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
 
 /* Arc length of a node from the vessel; in the words of CableModel._node_arcs. */
 static double arc_of(const Cable *cable, int64_t node) {
-    const double *edge = cable->M + header(cable->I)->edges + node * EDGE_WORDS;
+    const Edge *edge = edge_of(cable->I, node);
     if (node <= 0) return 0.0;
-    if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return AS(Edge, edge)->length;
-    if (node == 1) return edge[EDGE_WORDS + WORD(Edge, start)] + winch_of(cable->I, 0)->paid;
-    return AS(Edge, edge)->start + AS(Edge, edge)->length + winch_of(cable->I, 0)->paid;
+    if (node == 1 && (header(cable->I)->rigid == 0 || header(cable->I)->nodes < 3)) return edge->length;
+    if (node == 1) return edge_of(cable->I, 2)->start + winch_of(cable->I, 0)->paid;
+    return edge->start + edge->length + winch_of(cable->I, 0)->paid;
 }
 
 void look_up(const Failure *failures, int64_t status, const char **problem, const char **advice) {
@@ -384,12 +384,12 @@ static const double *errors(Cable *cable) {
     if (!is_beside(cable)) return cable->errors;
     Cable *finer = cable->finer;
     const Summary *numbers = summary(cable), *others = summary(finer);
-    const double length = fmin(numbers->line_length, others->line_length), pi = 3.14159265358979323846;
+    const double length = fmin(numbers->line_length, others->line_length);
     enum { WORDS = STATION_WORDS * ERROR_PLACES };
     Station shapes[2][ERROR_PLACES];
     double arcs[ERROR_PLACES], largest = 0.0;
     for (int k = 0; k < ERROR_PLACES; k++)
-        arcs[k] = (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length;
+        arcs[k] = (0.5 - 0.5 * cos(PI * k / (ERROR_PLACES - 1))) * length;
     cablemodel_sample(cable->I, cable->block_words, arcs, ERROR_PLACES, (double *)shapes[0], WORDS);
     cablemodel_sample(finer->I, finer->block_words, arcs, ERROR_PLACES, (double *)shapes[1], WORDS);
     for (int k = 0; k < ERROR_PLACES && largest == largest; k++) {
@@ -467,7 +467,7 @@ static void tune_free_body(Cable *cable, const Parameter *p, double value) {
     if (!(weight > 0.0)) return;
     /* A ball that displaces as much: fill_bodies of cablemodel/systems/tables.py. */
     const double volume = fmax(0.0, AS(FreeBody, row)->buoyancy) / weight;
-    AS(FreeBody, row)->radius = fmax(1e-3, pow(0.75 * volume / 3.14159265358979323846, 1.0 / 3.0));
+    AS(FreeBody, row)->radius = fmax(1e-3, pow(0.75 * volume / PI, 1.0 / 3.0));
 }
 
 /* Write a coefficient into the block. */

@@ -56,6 +56,7 @@ enum {
 #define FILE_FORMAT 4
 #define LARGEST_COUNT (INT64_C(1) << 22) /* of anything in a block */
 #define LARGEST_FILE (INT64_C(1) << 33)  /* and of a block [bytes] */
+#define PI 3.14159265358979323846
 #define FURTHEST 1e7 /* of positions [m] */
 #define FASTEST 1e3  /* of velocities and rates [m/s] */
 /* What a first step by position may change of a vessel's speed and of its rates of turn, on the

@@ -15,14 +15,6 @@ double length_at(const Cable *cable, int64_t n, double share) {
     return p->start + share * (cable->values[n] - p->start);
 }
 
-static double *edge_of(const Cable *cable, int64_t node) {
-    return cable->M + header(cable->I)->edges + node * EDGE_WORDS;
-}
-
-static double *row_of(const Cable *cable, int64_t index) {
-    return cable->M + header(cable->I)->cables + index * CABLE_WORDS;
-}
-
 int lengths_changed(const Cable *cable) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->parameters[n].kind >= OF_LINE && cable->values[n] != cable->parameters[n].start)
@@ -126,18 +118,18 @@ static void scale_elements(Cable *cable, double from, double to) {
         for (int64_t n = 0; n < cable->parameter_count; n++) {
             const Parameter *p = &cable->parameters[n];
             if (joint[node] == JOINT_NONE && p->kind == OF_LINE &&
-                (double)p->index == AS(Edge, edge_of(cable, node))->segment)
+                (double)p->index == edge_of(cable->I, node)->segment)
                 ratio = length_at(cable, n, to) / length_at(cable, n, from);
         }
-        AS(Edge, edge_of(cable, node))->length *= ratio;
-        AS(Edge, edge_of(cable, node))->nominal *= ratio;
+        edge_of(cable->I, node)->length *= ratio;
+        edge_of(cable->I, node)->nominal *= ratio;
         for (int64_t i = 0; i < dimension; i++)
             q[size * node + i] = ratio * (q[size * node + i] - q[size * parent[node] + i]);
     }
     double arc = 0.0;
     for (int64_t node = 1; node < nodes; node++) {
-        AS(Edge, edge_of(cable, node))->start = arc;
-        arc += AS(Edge, edge_of(cable, node))->length;
+        edge_of(cable->I, node)->start = arc;
+        arc += edge_of(cable->I, node)->length;
         for (int64_t i = 0; i < dimension; i++)
             q[size * node + i] += q[size * parent[node] + i];
     }
@@ -154,8 +146,8 @@ static void back_to_the_anchor(Cable *cable) {
         for (int64_t i = 0; i < dimension; i++)
             way[i] = AS(Constraint, row)->position[i] - q[size * (int64_t)AS(Constraint, row)->node + i];
         for (int64_t node = 1; node < header(I)->nodes; node++) {
-            const double *edge = edge_of(cable, node);
-            const double share = (AS(Edge, edge)->start + AS(Edge, edge)->length) / scalars(cable->M)->length;
+            const Edge *edge = edge_of(cable->I, node);
+            const double share = (edge->start + edge->length) / scalars(cable->M)->length;
             for (int64_t i = 0; i < dimension; i++) {
                 q[size * node + i] += share * way[i];
                 q[size * node + dimension + i] += way[i] / scalars(cable->M)->length;
@@ -166,7 +158,7 @@ static void back_to_the_anchor(Cable *cable) {
 
 /* Length of the body at the lower end of a cable of the winch; 0: none, or a point. */
 static double body_below(const Cable *cable, int64_t index) {
-    const double body = AS(CableRow, row_of(cable, index))->body;
+    const double body = cable_of(cable->I, index)->body;
     if (body < 0.0) return 0.0;
     return cable->M[header(cable->I)->bodies + (int64_t)body * BODY_WORDS + WORD(Body, length)];
 }
@@ -183,16 +175,16 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         if (cable->parameters[n].kind != OF_LINE) continue;
         const double length = length_at(cable, n, to);
         last = cable->parameters[n].index;
-        double *row = row_of(cable, last);
+        CableRow *row = cable_of(cable->I, last);
         if (left <= 0.0) above += body_below(cable, last);
         left -= length;
         below -= body_below(cable, last) + length;
-        AS(CableRow, row)->leaves = -below;
-        AS(CableRow, row)->nominal *= length / length_at(cable, n, from);
+        row->leaves = -below;
+        row->nominal *= length / length_at(cable, n, from);
     }
     for (int64_t n = 0; n < cable->parameter_count; n++) {
         if (cable->parameters[n].kind != OF_DRUM) continue;
-        double *row = row_of(cable, cable->parameters[n].index);
+        CableRow *row = cable_of(cable->I, cable->parameters[n].index);
         const double longer = length_at(cable, n, to) / length_at(cable, n, from);
         most += length_at(cable, n, to);
         if (cable->parameters[n].index != last) {
@@ -202,25 +194,26 @@ static void arrange_winch(Cable *cable, double from, double to, double growth) {
         travel += length_at(cable, n, to);
         /* A cable of its own row has elements of the line's mean length, no more than there is
            room for. */
-        const int own = AS(CableRow, row)->leaves > 0.0;
-        const double least = AS(CableRow, row)->edge.nominal * longer / DRUM_ROOM;
-        if (own) AS(CableRow, row)->nominal *= growth;
-        if (AS(CableRow, row)->nominal < least) AS(CableRow, row)->nominal = least;
-        AS(CableRow, row)->leaves = travel;
+        const int own = row->leaves > 0.0;
+        const double least = row->edge.nominal * longer / DRUM_ROOM;
+        if (own) row->nominal *= growth;
+        if (row->nominal < least) row->nominal = least;
+        row->leaves = travel;
     }
     for (int64_t index = 0; index < header(cable->I)->cable_count; index++) {
-        double *row = row_of(cable, index), length = AS(CableRow, row)->nominal;
+        CableRow *row = cable_of(cable->I, index);
+        double length = row->nominal;
         const double body = body_below(cable, index);
-        if (index > 0) length = fmin(length, AS(CableRow, row)->leaves - AS(CableRow, row_of(cable, index - 1))->leaves - body);
-        AS(CableRow, row)->shortest = SHORTEST_PIECE * length;
+        if (index > 0) length = fmin(length, row->leaves - cable_of(cable->I, index - 1)->leaves - body);
+        row->shortest = SHORTEST_PIECE * length;
         if (body > 0.0)
-            AS(CableRow, row)->shortest =
-                fmin(AS(CableRow, row)->shortest, fmax(FIRST_PIECE * body, LEAST_PIECE * AS(CableRow, row)->nominal));
-        AS(CableRow, row)->edge.nominal = AS(CableRow, row)->nominal;
+            row->shortest =
+                fmin(row->shortest, fmax(FIRST_PIECE * body, LEAST_PIECE * row->nominal));
+        row->edge.nominal = row->nominal;
     }
     double *M = cable->M;
     Winch *winch = winch_of(cable->I, 0);
-    winch->top_length = AS(Edge, edge_of(cable, 1))->length;
+    winch->top_length = edge_of(cable->I, 1)->length;
     winch->paid_most = most;
     winch->travel_most = travel;
     winch->travel_least = -above - (1.0 - SHORTEST_LINE) * scalars(M)->length;
@@ -237,14 +230,14 @@ static void measure_line(Cable *cable, double share) {
         const Parameter *p = &cable->parameters[n];
         if (p->kind != OF_LINE) continue;
         const double length = length_at(cable, n, share), longer = length - p->start;
-        const double *edge = row_of(cable, p->index) + WORD(CableRow, edge);
-        const double dry = AS(Edge, edge)->mass - AS(Edge, edge)->added_mass;
+        const Edge *edge = &cable_of(cable->I, p->index)->edge;
+        const double dry = edge->mass - edge->added_mass;
         facts.length += longer;
-        facts.softness += AS(Edge, edge)->compliance * longer;
+        facts.softness += edge->compliance * longer;
         facts.mass += dry * longer;
         facts.tension += p->factor * longer;
         mass += dry * length;
-        drag += 2.0 * AS(Edge, edge)->drag_normal * length;
+        drag += 2.0 * edge->drag_normal * length;
     }
     facts.damping = drag * facts.length / mass;
     cablemodel_measure(cable->I, cable->block_words, (double *)&facts, FACT_WORDS);
@@ -269,10 +262,10 @@ static void measure_line(Cable *cable, double share) {
 void forget_stabilisation(Cable *cable) {
     const int64_t nodes = header(cable->I)->nodes, rows = header(cable->I)->cable_count;
     for (int64_t n = 1; n < nodes + rows; n++) {
-        double *edge = n < nodes ? edge_of(cable, n) : row_of(cable, n - nodes) + WORD(CableRow, edge);
-        if (!(AS(Edge, edge)->compliance > 0.0)) continue;
-        AS(Edge, edge)->stabilisation =
-            fmin(STABILISATION * scalars(cable->M)->tension_scale, 1.0 / AS(Edge, edge)->compliance);
+        Edge *edge = n < nodes ? edge_of(cable->I, n) : &cable_of(cable->I, n - nodes)->edge;
+        if (!(edge->compliance > 0.0)) continue;
+        edge->stabilisation =
+            fmin(STABILISATION * scalars(cable->M)->tension_scale, 1.0 / edge->compliance);
     }
 }
 
@@ -324,7 +317,7 @@ static int64_t solve_static(Cable *cable) {
 /* Every element as stiff in bending as it may be: it is chosen anew. */
 void restore_bending(Cable *cable) {
     for (int64_t node = 1; node < header(cable->I)->nodes; node++)
-        AS(Edge, edge_of(cable, node))->bending = AS(Edge, edge_of(cable, node))->bending_full;
+        edge_of(cable->I, node)->bending = edge_of(cable->I, node)->bending_full;
 }
 
 /* Counters, factorisation and history begin with a run. */
@@ -368,7 +361,7 @@ double *bends_of(const Cable *cable) {
         double length = scalars(cable->M)->length;
         if (bends[node] == 0.0) continue;
         if (is_system(cable->I))
-            length = AS(CableRow, row_of(cable, (int64_t)AS(Edge, edge_of(cable, node))->segment))->line;
+            length = cable_of(cable->I, (int64_t)edge_of(cable->I, node)->segment)->line;
         bends[node] /= BENT * scalars(cable->M)->tolerance * length;
     }
     return bends;
@@ -394,7 +387,7 @@ double most_stretched(const Cable *cable) {
         if (joint[node] != JOINT_NONE) continue;
         for (int64_t i = 0; i < words / 2; i++)
             square += pow(q[words * node + i] - q[words * parent[node] + i], 2.0);
-        most = fmax(most, sqrt(square) / AS(Edge, edge_of(cable, node))->length - 1.0);
+        most = fmax(most, sqrt(square) / edge_of(cable->I, node)->length - 1.0);
     }
     return most;
 }

@@ -261,7 +261,7 @@ void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
 
 /* The first angle of a start that was set to more than a turn, in words; NULL: there is none. */
 const char *more_than_a_turn(Cable *cable) {
-    const double turn = 2.0 * 3.14159265358979323846;
+    const double turn = 2.0 * PI;
     const Row *rows = cable->system->rows + first_start(cable->system);
     for (int64_t n = 0; n < cable->system->vessels; n++)
         for (int i = 0; i < 3; i++) {
@@ -433,7 +433,7 @@ static double at_end(const Cable *cable, int64_t n, double dt) {
    Angles go the shorter way. */
 static double moved_at_end(const Controls *now, const PartInput *x, int turning, double speed, double dt) {
     if (before(x) == NULL) return place_at_end(now, x->slope, x->value, speed, NULL, dt);
-    const double way = x->value - x->before, turn = 2.0 * 3.14159265358979323846;
+    const double way = x->value - x->before, turn = 2.0 * PI;
     const double from = turning ? x->value - remainder(way, turn) : x->before;
     return value_at_end(now, x->slope, x->value, &from, dt);
 }

@@ -10,14 +10,6 @@
 
 #include "system.h"
 
-static Edge *edge_of(const Cable *cable, int64_t node) {
-    return AS(Edge, cable->M + header(cable->I)->edges + node * EDGE_WORDS);
-}
-
-static CableRow *row_of(const Cable *cable, int64_t index) {
-    return AS(CableRow, cable->M + header(cable->I)->cables + index * CABLE_WORDS);
-}
-
 static int64_t line_of_row(const Cable *cable, int64_t row) { return cable->system->segments[row] >> 1; }
 static int is_backward(const Cable *cable, int64_t row) { return (int)(cable->system->segments[row] & 1); }
 
@@ -94,13 +86,13 @@ static double arrange_chain(Cable *cable, double chain, double from, double to) 
     const int64_t *I = cable->I, *joint = I + header(I)->joint;
     double out = 0.0;
     for (int64_t index = 0; index < header(I)->cable_count; index++) {
-        CableRow *row = row_of(cable, index);
+        CableRow *row = cable_of(cable->I, index);
         const int64_t line = line_of_row(cable, index), n = length_of_row(cable, index);
         double own = 0.0;
         if (row->chain != chain) continue;
         for (int64_t node = 1; node < header(I)->nodes; node++)
-            if (joint[node] == JOINT_NONE && edge_of(cable, node)->segment == (double)index)
-                own += edge_of(cable, node)->length;
+            if (joint[node] == JOINT_NONE && edge_of(cable->I, node)->segment == (double)index)
+                own += edge_of(cable->I, node)->length;
         out += own;
         if (n < 0) continue;
         /* Cable on a drum leaves it in elements of the line's mean length, unless the scene counts its. */
@@ -118,11 +110,11 @@ static void arrange_winches(Cable *cable, double from, double to) {
     const int64_t *I = cable->I;
     for (int64_t winch = 0; winch < header(I)->winch_count; winch++) {
         Winch *row = winch_of(I, winch);
-        const double chain = row_of(cable, (int64_t)row->cable)->chain;
+        const double chain = cable_of(cable->I, (int64_t)row->cable)->chain;
         int done = 0; /* both ends of a line pass the same cable */
-        for (int64_t n = 0; n < winch; n++) done |= row_of(cable, (int64_t)winch_of(I, n)->cable)->chain == chain;
+        for (int64_t n = 0; n < winch; n++) done |= cable_of(cable->I, (int64_t)winch_of(I, n)->cable)->chain == chain;
         const double out = arrange_chain(cable, chain, done ? to : from, to);
-        const Edge *top = edge_of(cable, (int64_t)row->node + (row->way > 0.0));
+        const Edge *top = edge_of(cable->I, (int64_t)row->node + (row->way > 0.0));
         double drum = 0.0;
         for (int64_t n = 0; n < cable->parameter_count; n++)
             if (cable->parameters[n].kind == OF_DRUM && cable->parameters[n].word == winch) drum += length_at(cable, n, to);
@@ -140,7 +132,7 @@ void resize_lines(Cable *cable, double from, double to, const double *places, do
     const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
     if (!lengths_changed(cable)) return;
     for (int64_t node = 1; node < header(I)->nodes; node++) {
-        Edge *edge = edge_of(cable, node);
+        Edge *edge = edge_of(cable->I, node);
         if (joint[node] != JOINT_NONE) continue;
         const int64_t row = (int64_t)edge->segment;
         const double growth = growth_of_row(cable, row, from, to);
@@ -151,7 +143,7 @@ void resize_lines(Cable *cable, double from, double to, const double *places, do
         edge->nominal *= growth;
     }
     for (int64_t index = 0; index < header(I)->cable_count; index++) {
-        CableRow *row = row_of(cable, index);
+        CableRow *row = cable_of(cable->I, index);
         row->leaves = moved_in_tree(cable, index, row->leaves, from, to);
         row->line = line_length(cable, line_of_row(cable, index), to);
     }
@@ -162,12 +154,12 @@ void resize_lines(Cable *cable, double from, double to, const double *places, do
    cablemodel/solvers/finite_element/start/sea_floor.py. */
 static void bend_flexible(Cable *cable, double longer) {
     const int64_t *I = cable->I, nodes = header(I)->nodes;
-    const double density = scalars(cable->M)->water_density, pi = 3.14159265358979323846;
+    const double density = scalars(cable->M)->water_density;
     for (int64_t n = 1; n < nodes + header(I)->cable_count; n++) {
-        Edge *edge = n < nodes ? edge_of(cable, n) : &row_of(cable, n - nodes)->edge;
+        Edge *edge = n < nodes ? edge_of(cable->I, n) : &cable_of(cable->I, n - nodes)->edge;
         if (edge->flexible == 0.0 || !(edge->bending_full > 0.0)) continue;
-        const double displaced = row_of(cable, (int64_t)edge->segment)->displaced;
-        const double thick = density > 0.0 ? sqrt(displaced / (density * 0.25 * pi)) : 0.0;
+        const double displaced = cable_of(cable->I, (int64_t)edge->segment)->displaced;
+        const double thick = density > 0.0 ? sqrt(displaced / (density * 0.25 * PI)) : 0.0;
         const double layer = pow(edge->bending_full / edge->contact, 1.0 / 3.0);
         edge->bending_full = edge->contact * pow(fmax(layer * longer, thick), 3.0);
         edge->bending = edge->bending_full;
@@ -190,7 +182,7 @@ void measure_lines(Cable *cable) {
             const Parameter *p = &cable->parameters[n];
             if (!is_of_line(cable, n, line)) continue;
             const double own = length_at(cable, n, 1.0), longer = own - p->start;
-            const Edge *edge = &row_of(cable, p->index)->edge;
+            const Edge *edge = &cable_of(cable->I, p->index)->edge;
             const double dry = edge->mass - edge->added_mass;
             length += own;
             softness += edge->compliance * own;
@@ -205,7 +197,7 @@ void measure_lines(Cable *cable) {
         facts.damping = fmin(facts.damping, drag * length / mass);
         shortest = fmin(shortest, length);
         for (int64_t index = 0; index < header(cable->I)->cable_count; index++)
-            if (line_of_row(cable, index) == line) row_of(cable, index)->tension = weight;
+            if (line_of_row(cable, index) == line) cable_of(cable->I, index)->tension = weight;
     }
     cablemodel_measure(cable->I, cable->block_words, (double *)&facts, FACT_WORDS);
     const double longer = facts.length / before;
@@ -222,7 +214,7 @@ static int64_t line_held_at(const Cable *cable, int64_t node) {
     const int64_t *I = cable->I, *joint = I + header(I)->joint;
     if (node == 0 || joint[node] != JOINT_NONE) node++;
     if (node >= header(I)->nodes || joint[node] != JOINT_NONE) return -1;
-    return line_of_row(cable, (int64_t)edge_of(cable, node)->segment);
+    return line_of_row(cable, (int64_t)edge_of(cable->I, node)->segment);
 }
 
 static Constraint *held(const Cable *cable, int64_t n) {

@@ -8,11 +8,11 @@
 #include "system.h"
 
 static int64_t segment_of(const Cable *cable, int64_t node) {
-    return (int64_t)cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, segment)];
+    return (int64_t)edge_of(cable->I, node)->segment;
 }
 
 static double length_of(const Cable *cable, int64_t node) {
-    return cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, length)];
+    return edge_of(cable->I, node)->length;
 }
 
 static int is_backward(const Cable *cable, int64_t node) {
@@ -32,7 +32,7 @@ static void paid_at(const Cable *cable, int64_t line, double paid[2]) {
 
 /* The element of a node, as Built.elements of cablemodel/systems/built.py has it. */
 static Element element_of(const Cable *cable, int64_t node) {
-    const double own = cable->M[header(cable->I)->edges + node * EDGE_WORDS + WORD(Edge, start)];
+    const double own = edge_of(cable->I, node)->start;
     const double start = is_backward(cable, node) ? -own - length_of(cable, node) : own;
     const int64_t line = cable->system->segments[segment_of(cable, node)] >> 1;
     double paid[2];
@@ -62,8 +62,7 @@ static double line_length(const Cable *cable, const Element *first, double *befo
     double paid[2];
     paid_at(cable, first->line, paid);
     *before = paid[0];
-    return cable->M[header(cable->I)->cables + segment_of(cable, first->node) * CABLE_WORDS + WORD(CableRow, line)] +
-           paid[0] + paid[1];
+    return cable_of(cable->I, segment_of(cable, first->node))->line + paid[0] + paid[1];
 }
 
 /* Where along a line: the element and the fraction of it, as LineView.sample. */
@@ -159,12 +158,11 @@ static int64_t elements_of(const System *s, int64_t elements, int64_t line, int6
 
 /* Rows of a line at the places where errors are looked for, of one that is as long [m]. */
 static void sample_errors(Cable *cable, int64_t first, int64_t count, double length, Station *rows) {
-    const double pi = 3.14159265358979323846;
     double nodes[ERROR_PLACES], fractions[ERROR_PLACES];
     int64_t which = 0;
     for (int k = 0; k < ERROR_PLACES; k++)
         place_sample(cable, cable->system->elements + first, count, &which,
-                     (0.5 - 0.5 * cos(pi * k / (ERROR_PLACES - 1))) * length, nodes + k, fractions + k);
+                     (0.5 - 0.5 * cos(PI * k / (ERROR_PLACES - 1))) * length, nodes + k, fractions + k);
     cablemodel_sample_elements(cable->I, cable->block_words, nodes, ERROR_PLACES, fractions,
                                ERROR_PLACES, (double *)rows, STATION_WORDS * ERROR_PLACES);
 }
@@ -259,11 +257,10 @@ const double *system_outputs(Cable *cable) {
         out = part_outputs(s->parts + n, n >= s->bodies, out);
     for (int64_t n = 0; n < s->winches; n++) {
         const Winch *winch = winch_of(cable->I, n);
-        const int64_t row = header(cable->I)->cables + (int64_t)winch->cable * CABLE_WORDS;
         double paid[2];
         paid_at(cable, s->segments[(int64_t)winch->cable] >> 1, paid);
         *out++ = winch->rate;
-        *out++ = cable->M[row + WORD(CableRow, line)] + paid[0] + paid[1];
+        *out++ = cable_of(cable->I, (int64_t)winch->cable)->line + paid[0] + paid[1];
         *out++ = winch->paid_most - winch->paid;
     }
     for (int64_t n = 0; n < s->cuts; n++) {

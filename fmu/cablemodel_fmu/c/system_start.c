@@ -113,7 +113,7 @@ static int moves_as_a_whole(const Cable *cable, double way[3]) {
 
 /* Angles go the shorter way. */
 static double turn_to(double to, double from) {
-    return remainder(to - from, 2.0 * 3.14159265358979323846);
+    return remainder(to - from, 2.0 * PI);
 }
 
 /* How the water flows at the start, the mean over the depths of the current's table. */
@@ -265,7 +265,7 @@ static void unbalanced(const Cable *cable, const int64_t *group, const double *h
     memset(out, 0, sizeof(double) * (size_t)(3 * nodes));
     for (int64_t node = 1; node < nodes; node++) {
         if (joint[node] != JOINT_NONE) continue;
-        const double h = AS(Edge, cable->M + header(I)->edges + node * EDGE_WORDS)->length;
+        const double h = edge_of(I, node)->length;
         const int64_t p = 3 * group[parent[node]], c = 3 * group[node];
         for (int i = 0; i < 3; i++) {
             const double more = grown == NULL ? 0.0 : grown[3 * node + i];
@@ -333,7 +333,7 @@ static int follow_ends(Cable *cable, const double *before, const double *grown) 
     for (int64_t node = 1; node < nodes; node++) { /* slopes: half of what each side turns by */
         if (joint[node] != JOINT_NONE) continue;
         const int64_t ends[] = {parent[node], node};
-        const double h = AS(Edge, cable->M + header(I)->edges + node * EDGE_WORDS)->length;
+        const double h = edge_of(I, node)->length;
         for (int end = 0; end < 2; end++) {
             const int body = joint[ends[end]] == JOINT_FREE || joint[ends[end]] == JOINT_ROOT_FREE;
             for (int i = 0; i < 3 && !body; i++)
@@ -546,7 +546,7 @@ static void run_winches(Cable *cable, int runs) {
 
 /* Number of the line of a row of the cable table. */
 static double line_row(const Cable *cable, double segment) {
-    return AS(CableRow, cable->M + header(cable->I)->cables + (int64_t)segment * CABLE_WORDS)->row;
+    return cable_of(cable->I, (int64_t)segment)->row;
 }
 
 /* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing. */
@@ -563,8 +563,7 @@ static const char *start_flowing(Cable *cable) {
         for (int64_t node = top + 1; node < header(I)->nodes && joint[node] < JOINT_ROOT; node++) {
             double *v = node_of(cable, WORD(Header, velocity), node);
             const double *q = POSITION_OF(cable, node);
-            const double *edge = cable->M + header(I)->edges + node * EDGE_WORDS;
-            const int runs = joint[node] == JOINT_NONE && line_row(cable, AS(Edge, edge)->segment) == line;
+            const int runs = joint[node] == JOINT_NONE && line_row(cable, edge_of(I, node)->segment) == line;
             const double *from = node_of(cable, WORD(Header, velocity), runs ? top : parent[node]);
             for (int i = 0; i < 3; i++) v[i] = from[i] + (runs ? row->rate * q[3 + i] : 0.0);
         }

@@ -27,23 +27,41 @@ ANCHORED_HOLDS = 2e-5
 
 
 @njit(cache=True)
+def _pull(x, z, u, w, i, own, out, cable):  # type: ignore[no-untyped-def]
+    """Tension of the spring between masses i and i + 1, and its direction; own: its length."""
+    dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+    length = math.hypot(dx, dz)
+    rate = (u[i + 1] - u[i]) * dx + (w[i + 1] - w[i]) * dz
+    rate = rate / length - out
+    tension = max(0.0, cable[0] * (length - own) / own + cable[1] * rate / own)
+    return tension, dx / length, dz / length
+
+
+@njit(cache=True)
+def _move(first, n, x, z, u, w, fx, fz, ax, az, owns, cable, step):  # type: ignore[no-untyped-def]
+    """Move the masses from `first` on by their forces, but for the last one."""
+    for i in range(first, n - 1):
+        along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * owns[i])
+        across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * owns[i])
+        u[i] += step * (along * ax[i] - across * az[i])
+        w[i] += step * (along * az[i] + across * ax[i])
+        x[i] += step * u[i]
+        z[i] += step * w[i]
+
+
+@njit(cache=True)
 def _forces(  # type: ignore[no-untyped-def]
     n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az, owns
 ):
     """Forces on n masses into fx, fz, directions along the line into ax, az, and how
     much cable is each one's into owns; the top tension."""
-    stiffness, damping, weight = cable[0], cable[1], cable[2]
+    weight = cable[2]
     fx[:n] = 0.0
     fz[:n] = 0.0
     tension = 0.0
     for i in range(n - 1):
-        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-        length = math.hypot(dx, dz)
-        own = spacing if i < n - 2 else top
-        rate = (u[i + 1] - u[i]) * dx + (w[i + 1] - w[i]) * dz
-        rate = rate / length - (out if i == n - 2 else 0.0)
-        tension = max(0.0, stiffness * (length - own) / own + damping * rate / own)
-        ax[i], az[i] = dx / length, dz / length
+        own, paid = (spacing, 0.0) if i < n - 2 else (top, out)
+        tension, ax[i], az[i] = _pull(x, z, u, w, i, own, paid, cable)
         fx[i] += tension * ax[i]
         fz[i] += tension * az[i]
         fx[i + 1] -= tension * ax[i]
@@ -110,13 +128,7 @@ def _run(  # type: ignore[no-untyped-def]
         tension = _forces(
             n, x, z, u, w, rest, spacing, top, out, cable, water, floor, fx, fz, ax, az, owns
         )
-        for i in range(n - 1):
-            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * owns[i])
-            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * owns[i])
-            u[i] += step * (along * ax[i] - across * az[i])
-            w[i] += step * (along * az[i] + across * ax[i])
-            x[i] += step * u[i]
-            z[i] += step * w[i]
+        _move(0, n, x, z, u, w, fx, fz, ax, az, owns, cable, step)
         rise += step * w[n - 1]
         top += step * out
         if (k + 1) % every == 0:
@@ -202,20 +214,13 @@ def _run_anchored(  # type: ignore[no-untyped-def]
     tensions = np.zeros((outputs, 2))
     for k in range(outputs * every):
         u[n - 1], w[n - 1] = speeds[k]
-        first = math.hypot(x[1] - x[0], z[1] - z[0])
-        along = (u[1] * (x[1] - x[0]) + w[1] * (z[1] - z[0])) / first
-        anchor = max(0.0, (cable[0] * (first - spacing) + cable[1] * along) / spacing)
+        anchor, _, _ = _pull(x, z, u, w, 0, spacing, 0.0, cable)
         top = _forces(
             n, x, z, u, w, rest, spacing, spacing, 0.0, cable, water, floor, fx, fz, ax, az, owns
         )
-        for i in range(1, n - 1):
-            along = (fx[i] * ax[i] + fz[i] * az[i]) / (cable[3] * owns[i])
-            across = (fz[i] * ax[i] - fx[i] * az[i]) / (cable[4] * owns[i])
-            u[i] += step * (along * ax[i] - across * az[i])
-            w[i] += step * (along * az[i] + across * ax[i])
-        for i in range(1, n):
-            x[i] += step * u[i]
-            z[i] += step * w[i]
+        _move(1, n, x, z, u, w, fx, fz, ax, az, owns, cable, step)
+        x[n - 1] += step * u[n - 1]
+        z[n - 1] += step * w[n - 1]
         if (k + 1) % every == 0:
             tensions[k // every] = anchor, top
     return tensions

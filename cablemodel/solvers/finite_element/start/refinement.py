@@ -69,7 +69,7 @@ def spare_nodes(scene: Scene, nodes: int, longest: float) -> int:
     return WINCH * spare if pays_out(scene) or scene.payout.drum else spare
 
 
-def bends(block: Block) -> FloatArray:
+def bends_of(block: Block) -> FloatArray:
     """By how much each element of a static shape bends (nodes,) [m]: the kernels' measure_bends."""
     from cablemodel.solvers import library
 
@@ -82,7 +82,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     """Cables' nodes with those elements halved that a static shape bends too much; None: done."""
     count = int(block.header.nodes)
     joints = block.integers(Header.joint, count)
-    split = bends(block) > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
+    split = bends_of(block) > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     if not split.any() or count > LARGEST_STATIC_MESH:
         return None
     fixed = [cable.elements is not None for cable in scene.cables]

@@ -5,10 +5,7 @@ of rest and the lengths of its bristles (start/firm_friction.py; the FMU's syste
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
-from cablemodel.solvers.finite_element.kernels.element.tables import (
-    FIRM_BRISTLE,
-    SHORTEST_BRISTLE,
-)
+from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars
