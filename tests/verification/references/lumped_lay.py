@@ -102,7 +102,7 @@ def _run(  # type: ignore[no-untyped-def]
     n,
     spacing,
     speed,
-    out,
+    rates,
     heave,
     period,
     ramp,
@@ -113,7 +113,8 @@ def _run(  # type: ignore[no-untyped-def]
     outputs,
     every,
 ):
-    """Top tensions at `outputs` times, `every` steps apart; x, z, u, w: from the far end on."""
+    """Top tensions at `outputs` times, `every` steps apart; x, z, u, w: from the far end on.
+    rates: of pay-out, at every step."""
     room = len(x)
     fx, fz, ax, az, owns = np.zeros((5, room))
     rest = x.copy()
@@ -121,7 +122,7 @@ def _run(  # type: ignore[no-untyped-def]
     top, start, rise = spacing, x[n - 1], z[n - 1]
     turn = 2.0 * math.pi / period
     for k in range(outputs * every):
-        t = k * step
+        t, out = k * step, rates[k]
         u[n - 1] = speed
         w[n - 1] = -heave * turn * math.sin(turn * t) * min(1.0, t / ramp)
         x[n - 1], z[n - 1] = start + speed * t, rise
@@ -155,12 +156,12 @@ def lay_in_heave(
     *,
     kind: dict[str, float],
     speed: float,
-    payout: float,
+    payout: float | Callable[[FloatArray], FloatArray],
     depth: float,
     friction: float,
-    heave: float,
-    period: float,
-    ramp: float,
+    heave: float = 0.0,
+    period: float = 10.0,
+    ramp: float = 10.0,
     duration: float,
     interval: float = 0.1,
     density: float = 1025.0,
@@ -172,6 +173,7 @@ def lay_in_heave(
         shape: places along the line at t = 0 at even distances, from the ship on (n, 2) [m].
         length: unstretched, of the line [m].
         kind: a cable type of a scene, with numbers, and axial damping.
+        payout: rate [m/s], or what gives it at times (n,) [s].
         heave: -heave w sin(w t) min(1, t / ramp) is the ship's velocity upwards [m/s].
     """
     n, area = len(shape), 0.25 * math.pi * kind["diameter"] ** 2
@@ -184,14 +186,16 @@ def lay_in_heave(
     water = drag * np.array([kind["drag_normal"], math.pi * kind["drag_tangential"]])
     # Below what waves along a spring, and its damping, allow.
     step = min(0.25 * spacing * math.sqrt(mass / cable[0]), 0.25 * spacing**2 * mass / cable[1])
-    every = math.ceil(interval / step)
-    room = n + math.ceil(duration * payout / spacing) + 2
+    every, outputs = math.ceil(interval / step), round(duration / interval)
+    step = interval / every
+    at = step * np.arange(outputs * every)
+    rates = payout(at) if callable(payout) else np.full(len(at), payout)
+    room = n + math.ceil(duration * float(rates.max()) / spacing) + 2
     x, z, u, w = np.zeros((4, room))
     x[:n], z[:n] = shape[::-1].T
-    outputs = round(duration / interval)
     numbers = (
         speed,
-        payout,
+        rates,
         heave,
         period,
         ramp,
@@ -199,7 +203,7 @@ def lay_in_heave(
         water,
         np.array([depth, friction, FRICTION_HOLDS]),
     )
-    tensions: FloatArray = _run(x, z, u, w, n, spacing, *numbers, interval / every, outputs, every)
+    tensions: FloatArray = _run(x, z, u, w, n, spacing, *numbers, step, outputs, every)
     return tensions
 
 
