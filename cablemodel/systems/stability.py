@@ -2,9 +2,9 @@
 
 An implicit step leads back to an equilibrium that is none to stay at, and a run would follow it for
 long. So small motions about the start are looked at: if stiffness holds them all and nothing feeds
-them, a factorisation says so. With foils they may take energy from the flow: the lowest modes of
-the undamped motion, coupled by drag and lift, tell how fast (modal flutter analysis: Bisplinghoff,
-Ashley and Halfman 1955, chapter 9).
+them, a factorisation says so (kernels/line/inertia.py). With foils they may take energy from the
+flow: the lowest modes of the undamped motion, coupled by drag and lift, tell how fast (modal
+flutter analysis: Bisplinghoff, Ashley and Halfman 1955, chapter 9).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import UnstableStartWarning
+from cablemodel.solvers import library as entry
 from cablemodel.solvers.finite_element.linearisation import Matrix, free_motions, matrices
 from cablemodel.solvers.finite_element.stability import SLOWEST, slowest_growth
 from cablemodel.solvers.shared import layout as at
@@ -31,9 +32,6 @@ ITERATIONS = 10
 """To a motion of the whole, at most; it takes five or none."""
 ACCURACY = 1e-6
 """Of its growth."""
-STABILISED = 1e-3
-"""Of the stabilisation of slack elements: what is left presses nothing, and holds (from 1e-4 to
-1e-2 starts are told the same)."""
 
 
 def warn_if_unstable(built: Built) -> bool:
@@ -54,15 +52,15 @@ def instability(built: Built) -> UnstableStartWarning | None:
     that foils feed.
     """
     block = built.block
+    least = slowest_growth(block)
     basis, _names = free_motions(block)
     kept = block.image.copy()
-    lift_pressed(built)
+    growing = entry.count_growing(block.ints, block.reals, least)  # with what is pressed lifted
+    if growing == 0 and block.header.foil_count == 0:
+        block.image[:] = kept
+        return None
     mass, damping, stiffness = (basis.T @ part @ basis for part in matrices(block))
     block.image[:] = kept
-    least = slowest_growth(block)
-    held = stiffness + least * damping + least * least * mass
-    if block.header.foil_count == 0 and is_positive(held + held.T):
-        return None
     quick = 2.0 * math.pi / block.scalars.period if block.scalars.time > 0.0 else 0.0
     found = fastest_growth(mass, damping, stiffness, least, quick)
     if found is None:
@@ -93,34 +91,6 @@ def is_pressed(built: Built) -> bool:
     """Whether some of a line is pressed by more than tensions may be wrong by."""
     means = built.block.array(Header.tension, built.nodes, 2)[:, 0]
     return bool(means.min() < -allowed_tension(built))
-
-
-def is_positive(symmetric: Matrix) -> bool:
-    """Whether a symmetric matrix is positive definite: its factors without pivoting say so."""
-    from scipy.sparse.linalg import splu
-
-    try:
-        factors = splu(
-            symmetric.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )  # fmt: skip
-    except RuntimeError:  # it is singular
-        return False
-    straight = np.array_equal(factors.perm_r, factors.perm_c)
-    return straight and bool(np.all(factors.U.diagonal() > 0.0))
-
-
-def lift_pressed(built: Built) -> None:
-    """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
-    slopes, and the stabilisation's part (`STABILISED`)."""
-    block = built.block
-    allowed = allowed_tension(built)
-    mean, slope = block.array(Header.tension, built.nodes, 2).T
-    slack = np.abs(mean) < allowed
-    mean[slack] = np.maximum(mean[slack], 0.0)
-    slope[slack] = np.clip(slope[slack], -mean[slack], mean[slack])
-    edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
-    edges[slack, at.Edge.stabilisation] *= STABILISED
 
 
 def fastest_growth(
