@@ -132,7 +132,8 @@ def balance(P, size):
 
 @kernel
 def invert_pivoting(A, B, size):
-    """B = A^-1 by Gauss-Jordan with pivots; A is used up. Returns log |det A|; inf: there is none."""
+    """B = A^-1 by Gauss-Jordan with pivots; A is used up. Returns log |det A|, inf if there is
+    none."""
     determinant = 0.0
     for i in range(size):
         for j in range(size):
@@ -189,7 +190,7 @@ def negative_eigenvalues(P, size, X, inverse):
     trace = 0.0
     for k in range(size):
         trace += P[size * k + k]
-    return int(math.floor(0.5 * (size - trace) + 0.5))
+    return math.floor(0.5 * (size - trace) + 0.5)
 
 
 @kernel

@@ -32,7 +32,7 @@ MOTIONS = 60  # that are coupled, at most
 BESIDE = 3  # motions from which the space is made: as many may be alike
 SAME_MOTION = 1e-8  # of a motion: what is left of one that the others make up
 SLOW_DAMPING = 1e3  # of damping: a free body's are differences, over 1e-6 of what it is
-SPREAD = 0.6180339887498949  # multiples of it are spread evenly over 0 ... 1
+EVEN_SPREAD = 0.6180339887498949  # multiples of it are spread evenly over 0 ... 1
 
 
 @kernel
@@ -172,7 +172,7 @@ def find_motions(I, M, mass, damping, basis, x, y):
     done = 0
     for start in range(BESIDE):
         for k in range(count):
-            part = SPREAD * (k + 1) * (start + 1)
+            part = EVEN_SPREAD * (k + 1) * (start + 1)
             x[k] = part - math.floor(part) - 0.5
         give_way(I, M, x)
         found = add_motion(I, M, mass, basis, found, x, y)
