@@ -12,6 +12,7 @@ from scipy.linalg import eigh
 from typer.testing import CliRunner
 
 import cablemodel as cm
+from benchmarks.random_systems import scene_of
 from cablemodel.cli import app
 from cablemodel.errors import UnstableStartWarning
 from cablemodel.solvers import library
@@ -281,3 +282,19 @@ def test_a_system_with_a_cycle_and_clamps_is_counted_through_its_closures() -> N
         model = SystemModel(source)
         assert model.built.block.header.closure_count > 0
         assert growing_by_kernel(model) == growing_by_dense_matrices(model)
+
+
+def test_a_wing_that_swings_up_fast_on_a_long_line_is_warned_of() -> None:
+    """With a branch: motions of the undamped system alone did not lead to it."""
+    scene, _push = scene_of(18)
+    for line in scene["lines"].values():
+        for item in line["items"]:
+            if item.get("cable"):
+                item["cable"]["length"] *= 1.4
+    scene.pop("cuts")
+    with pytest.warns(UnstableStartWarning) as caught:
+        model = SystemModel(scene)
+    (warning,) = (w.message for w in caught if isinstance(w.message, UnstableStartWarning))
+    assert growing_by_kernel(model)[1] == growing_by_dense_matrices(model)[1] == 2
+    assert warning.rate == pytest.approx(1.73, rel=0.01)
+    assert warning.frequency == pytest.approx(4.57, rel=0.01)

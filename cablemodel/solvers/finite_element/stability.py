@@ -201,7 +201,7 @@ def is_held(block: Block, rate: float) -> bool:
     kept = block.image.copy()
     growing = entry.count_growing(block.ints, block.reals, rate)
     block.image[:] = kept
-    return growing == 0
+    return bool(growing == 0)
 
 
 def _hold(

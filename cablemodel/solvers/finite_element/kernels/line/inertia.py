@@ -21,7 +21,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
 )
 from cablemodel.solvers.shared.access import closure_of, edge_of, header, scalars
-from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     JOINT_ARM,
     JOINT_BODY,
@@ -70,7 +70,7 @@ def is_held(I, M):
     return True
 
 
-@kernel
+@outlined
 def is_positive(P, size):
     """Whether the symmetric part of a block is positive definite; the block is used up."""
     for i in range(size):
@@ -164,7 +164,7 @@ def invert_pivoting(A, B, size):
     return determinant
 
 
-@kernel
+@outlined
 def negative_eigenvalues(P, size, X, inverse):
     """How many eigenvalues of a matrix have a negative real part, as far as its sign was found. It
     is used up, and so is room for two of them."""
@@ -218,7 +218,7 @@ def count_negative(I, M):
     return total
 
 
-@kernel
+@outlined
 def lift_pressed(I, M):
     """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
     slopes, and the stabilisation's part. What is left of that presses nothing, and holds."""
@@ -235,7 +235,7 @@ def lift_pressed(I, M):
         edge_of(I, M, node).stabilisation *= STABILISED
 
 
-@kernel
+@outlined
 def make_symmetric(I, M):
     """Of the matrix that has been assembled, the symmetric part."""
     head = header(I)

@@ -25,10 +25,9 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
 )
 from cablemodel.solvers.shared.access import closure_of, free_body_of, header, scalars
-from cablemodel.solvers.shared.compile import kernel, view
-from cablemodel.solvers.shared.layout import JOINT_BODY, JOINT_NONE
+from cablemodel.solvers.shared.compile import kernel, outlined, view
+from cablemodel.solvers.shared.layout import JOINT_BODY, JOINT_NONE, MOTIONS
 
-MOTIONS = 60  # that are coupled, at most
 BESIDE = 3  # motions from which the space is made: as many may be alike
 SAME_MOTION = 1e-8  # of a motion: what is left of one that the others make up
 SLOW_DAMPING = 1e3  # of damping: a free body's are differences, over 1e-6 of what it is
@@ -44,10 +43,10 @@ def matrix_words(I):
 @kernel
 def work_words(I):
     """Words that `count_swinging` needs."""
-    return 3 * matrix_words(I) + 6 * header(I).nodes * (MOTIONS + 2) + 14 * MOTIONS * MOTIONS
+    return 3 * matrix_words(I) + 6 * header(I).nodes * (MOTIONS + 2) + 12 * MOTIONS * MOTIONS
 
 
-@kernel
+@outlined
 def assemble_into(I, M, cv, ca, less, share, out):
     """Out of a matrix K + cv C + ca M another one, times a share."""
     head = header(I)
@@ -84,7 +83,7 @@ def put_matrix(I, M, a, A, b, B):
                 M[head.lower + n] = a * A[2 * area + n] + b * B[2 * area + n]
 
 
-@kernel
+@outlined
 def multiply(I, M, A, x, stiffness, out):
     """out = A x; stiffness: A is that, and clamps at bodies have a part in it."""
     head = header(I)
@@ -118,7 +117,7 @@ def multiply(I, M, A, x, stiffness, out):
                 out[to + j] -= pull * row.follows[3 * i + j]
 
 
-@kernel
+@outlined
 def give_way(I, M, x):
     """What the matrix that is factored gives way by to forces x, in place; gaps stay closed."""
     head = header(I)
@@ -132,7 +131,7 @@ def give_way(I, M, x):
         close_increment(I, M, x)
 
 
-@kernel
+@outlined
 def dot(x, y):
     total = 0.0
     for n in range(len(x)):
@@ -140,7 +139,7 @@ def dot(x, y):
     return total
 
 
-@kernel
+@outlined
 def add_motion(I, M, mass, basis, found, x, y):
     """Add what x has beside the motions that were found, of the inertia 1; returns how many there
     are. y: room for one more."""
@@ -188,18 +187,20 @@ def find_motions(I, M, mass, damping, basis, x, y):
 @kernel
 def count_swinging(I, M, rate, work):
     """Of small motions about a system's state how many grow faster than a rate [1/s]; -1: the
-    matrix is singular. Tensions and matrix are used up. work: `work_words`."""
+    matrix is singular. Tensions and matrix are used up. work: `work_words` of zeros, of which the
+    first ones become the motions that are coupled (MOTIONS, nodes, 6)."""
     head = header(I)
     state = scalars(M)
     count = 6 * head.nodes
     words = matrix_words(I)
-    stiffness = view(work, 0, words)
-    damping = view(work, words, words)
-    mass = view(work, 2 * words, words)
-    x = view(work, 3 * words, count)
-    y = view(work, 3 * words + count, count)
-    basis = view(work, 3 * words + 2 * count, MOTIONS * count)
-    small = view(work, 3 * words + (2 + MOTIONS) * count, 14 * MOTIONS * MOTIONS)
+    basis = view(work, 0, MOTIONS * count)
+    x = view(work, MOTIONS * count, count)
+    y = view(work, (MOTIONS + 1) * count, count)
+    start = (MOTIONS + 2) * count
+    stiffness = view(work, start, words)
+    damping = view(work, start + words, words)
+    mass = view(work, start + 2 * words, words)
+    small = view(work, start + 3 * words, 12 * MOTIONS * MOTIONS)
     set_time(I, M, state.time)
     lift_pressed(I, M)
     for n in range(words):
@@ -226,9 +227,9 @@ def count_swinging(I, M, rate, work):
     make_symmetric(I, M)
     area = 36 * head.nodes
     for part in range(3):
-        start = head.diagonal if part == 0 else head.upper if part == 1 else head.lower
+        own = head.diagonal if part == 0 else head.upper if part == 1 else head.lower
         for n in range(area):
-            mass[area * part + n] = M[start + n]
+            mass[area * part + n] = M[own + n]
     put_matrix(I, M, 1.0, stiffness, 1.0 / (state.period * state.period), mass)
     if factor_assembled(I, M) != 0:
         return -1
