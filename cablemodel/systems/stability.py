@@ -2,9 +2,9 @@
 
 An implicit step leads back to an equilibrium that is none to stay at, and a run would follow it for
 long. So small motions about the start are looked at: if stiffness holds them all and nothing feeds
-them, a factorisation says so. With foils they may take energy from the flow: the lowest modes of
-the undamped motion, coupled by drag and lift, tell how fast (modal flutter analysis: Bisplinghoff,
-Ashley and Halfman 1955, chapter 9).
+them, a factorisation says so (kernels/line/inertia.py). With foils they may take energy from the
+flow: slow motions, coupled by drag and lift, tell how fast (kernels/line/swinging.py; modal flutter
+analysis: Bisplinghoff, Ashley and Halfman 1955, chapter 9).
 """
 
 from __future__ import annotations
@@ -16,24 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import UnstableStartWarning
-from cablemodel.solvers.finite_element.linearisation import Matrix, free_motions, matrices
-from cablemodel.solvers.finite_element.stability import SLOWEST, slowest_growth
+from cablemodel.solvers import library as entry
+from cablemodel.solvers.finite_element.linearisation import Matrix, matrices
+from cablemodel.solvers.finite_element.stability import slowest_growth
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built
 
 FloatArray = NDArray[np.float64]
 Motion = NDArray[np.complex128]
-
-MODES = 60
-"""What is coupled, of the undamped motion's lowest modes."""
-ITERATIONS = 10
-"""To a motion of the whole, at most; it takes five or none."""
-ACCURACY = 1e-6
-"""Of its growth."""
-STABILISED = 1e-3
-"""Of the stabilisation of slack elements: what is left presses nothing, and holds (from 1e-4 to
-1e-2 starts are told the same)."""
 
 
 def warn_if_unstable(built: Built) -> bool:
@@ -54,21 +45,26 @@ def instability(built: Built) -> UnstableStartWarning | None:
     that foils feed.
     """
     block = built.block
-    basis, _names = free_motions(block)
-    kept = block.image.copy()
-    lift_pressed(built)
-    mass, damping, stiffness = (basis.T @ part @ basis for part in matrices(block))
-    block.image[:] = kept
     least = slowest_growth(block)
-    held = stiffness + least * damping + least * least * mass
-    if block.header.foil_count == 0 and is_positive(held + held.T):
+    kept = block.image.copy()
+    growing = entry.count_growing(block.ints, block.reals, least)
+    block.image[:] = kept
+    if growing == 0 and block.header.foil_count == 0:
         return None
+    work = np.zeros(entry.count_swinging(block.ints, block.reals, least, np.zeros(1)))
+    if entry.count_swinging(block.ints, block.reals, least, work) < 1:
+        block.image[:] = kept
+        return None
+    mass, damping, stiffness = matrices(block)  # with what is pressed lifted
+    block.image[:] = kept
+    coupled = work[: 6 * built.nodes * at.MOTIONS].reshape(at.MOTIONS, -1)
+    coupled = coupled[np.any(coupled != 0.0, axis=1)].T
     quick = 2.0 * math.pi / block.scalars.period if block.scalars.time > 0.0 else 0.0
-    found = fastest_growth(mass, damping, stiffness, least, quick)
+    found = fastest_growth(mass, damping, stiffness, coupled, least, quick)
     if found is None:
         return None
     growth, motion = found
-    moves = np.abs(basis @ motion).reshape(-1, 2, 3)
+    moves = np.abs(motion).reshape(-1, 2, 3)
     bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
     turns = bodies[:, at.FreeBody.size, None] * moves[built.body_nodes(), 1]
     moves = np.linalg.norm(moves[:, 0], axis=1)
@@ -95,79 +91,26 @@ def is_pressed(built: Built) -> bool:
     return bool(means.min() < -allowed_tension(built))
 
 
-def is_positive(symmetric: Matrix) -> bool:
-    """Whether a symmetric matrix is positive definite: its factors without pivoting say so."""
-    from scipy.sparse.linalg import splu
-
-    try:
-        factors = splu(
-            symmetric.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )  # fmt: skip
-    except RuntimeError:  # it is singular
-        return False
-    straight = np.array_equal(factors.perm_r, factors.perm_c)
-    return straight and bool(np.all(factors.U.diagonal() > 0.0))
-
-
-def lift_pressed(built: Built) -> None:
-    """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
-    slopes, and the stabilisation's part (`STABILISED`)."""
-    block = built.block
-    allowed = allowed_tension(built)
-    mean, slope = block.array(Header.tension, built.nodes, 2).T
-    slack = np.abs(mean) < allowed
-    mean[slack] = np.maximum(mean[slack], 0.0)
-    slope[slack] = np.clip(slope[slack], -mean[slack], mean[slack])
-    edges = block.array(Header.edges, built.nodes, at.EDGE_WORDS)
-    edges[slack, at.Edge.stabilisation] *= STABILISED
-
-
 def fastest_growth(
-    mass: Matrix, damping: Matrix, stiffness: Matrix, least: float, quick: float = 0.0
+    mass: Matrix,
+    damping: Matrix,
+    stiffness: Matrix,
+    coupled: FloatArray,
+    least: float,
+    quick: float = 0.0,
 ) -> tuple[complex, Motion] | None:
     """Of motions x exp(l t) the fastest that grows by more than a rate, and swings at a frequency
-    or above: l [1/s] and x (n,).
+    or above, of those (n, motions) that are coupled: l [1/s] and x (n,)."""
+    from scipy.linalg import eig
 
-    The modes leave out what the others give way by: from what they find a motion of the whole is
-    sought, by inverse iteration.
-    """
-    from scipy.linalg import eig, eigh
-    from scipy.sparse.linalg import eigsh
-
-    size = mass.shape[0]
-    count = min(MODES, size)
-    held, inertia = (0.5 * (part + part.T) for part in (stiffness, mass))
-    if size <= 2 * count:
-        _values, modes = eigh(held.toarray(), inertia.toarray(), subset_by_index=(0, count - 1))
-    else:
-        shift, start = -((least / SLOWEST) ** 2), np.ones(size)
-        _values, modes = eigsh(held, count, inertia, sigma=shift, v0=start)
+    count = coupled.shape[1]
+    m, c, k = (coupled.T @ (part @ coupled) for part in (mass, damping, stiffness))
     state = np.zeros((2 * count, 2 * count))
     state[:count, count:] = np.eye(count)
-    state[count:, :count] = -modes.T @ stiffness @ modes
-    state[count:, count:] = -modes.T @ damping @ modes
-    values, vectors = eig(state)
-    found: list[tuple[complex, Motion]] = []
-    for k in np.flatnonzero((values.real > least) & (values.imag >= quick)):
-        motion = _motion_near(mass, damping, stiffness, values[k], modes @ vectors[:count, k])
-        if motion is not None and motion[0].real > least:
-            found.append(motion)
-    return max(found, key=lambda pair: pair[0].real, default=None)
-
-
-def _motion_near(
-    mass: Matrix, damping: Matrix, stiffness: Matrix, rate: complex, motion: Motion
-) -> tuple[complex, Motion] | None:
-    """A motion of the whole near a growth and a shape; None: iterations lead to none."""
-    from scipy.sparse.linalg import splu
-
-    for _iteration in range(ITERATIONS):
-        x = motion / np.linalg.norm(motion)
-        slope = (2.0 * rate * mass + damping) @ x
-        motion = splu((rate**2 * mass + rate * damping + stiffness).tocsc()).solve(slope)
-        change = 1.0 / np.vdot(x, motion)
-        rate = complex(rate - change)
-        if abs(change) < ACCURACY * abs(rate):
-            return rate, motion
-    return None
+    state[count:] = -np.linalg.solve(m, np.hstack([k, c]))
+    rates, vectors = eig(state)
+    grows = np.flatnonzero((rates.real > least) & (rates.imag >= quick))
+    if len(grows) == 0:
+        return None
+    fastest = grows[np.argmax(rates[grows].real)]
+    return complex(rates[fastest]), coupled @ vectors[:count, fastest]

@@ -76,6 +76,7 @@ def _text(value: object) -> str:
 def start_constants() -> dict[str, float]:
     """Numbers by which start/ derives a block from the lengths of its cables, and by which what
     is read of a system is placed, and looks ahead."""
+    from cablemodel.solvers.finite_element import stability
     from cablemodel.solvers.finite_element.kernels.outputs import interface
     from cablemodel.solvers.finite_element.start import continuation as continuation
     from cablemodel.solvers.finite_element.start import (
@@ -101,6 +102,7 @@ def start_constants() -> dict[str, float]:
         "LARGE_STRAIN": scales.LARGE_STRAIN,
         "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
         "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
+        "SLOWEST": stability.SLOWEST,
         "FEW_STEPS": continuation.FEW_STEPS,
         "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
         "DRAWINGS": firm_friction.DRAWINGS,

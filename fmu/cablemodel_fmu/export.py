@@ -25,6 +25,7 @@ from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.from_scene import build as build_block
 from cablemodel.solvers.finite_element.start.scales import tension_scale
 from cablemodel.solvers.finite_element.start.tables import facts_of
+from cablemodel.solvers.finite_element.start.unstable_start import stays
 from cablemodel.solvers.library import BINARIES, description, kernel_hash
 from cablemodel.systems.lines import steady_velocity
 from cablemodel.systems.model import SystemModel
@@ -245,6 +246,7 @@ def _of_line(scene: Scene, options: Options) -> Contents:
         ignore=options.inputs == "scene",
         movable=movable,
         level=level,
+        leaves=isinstance(block, Block) and not stays(block, scene),
         vessel_input=values[1],
         at_start=options.timing == "start",
         static=scene.initial.kind == "static",
@@ -284,6 +286,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         ignore=options.inputs == "scene",
         movable=is_movable(scene),
         level=False,
+        leaves=start.built.unstable,
         vessel_input=values[1],
         at_start=options.timing == "start",
         static=True,

@@ -18,15 +18,17 @@ from cablemodel.solvers.library import PREFIX
 RARE_KERNELS = (
     "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
     "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
-    "floor_state", "flow", "frames", "free_bodies", "hulls", "interface", "part_outputs",
-    "payout", "promote", "raos", "rigid", "rotation", "scales", "sleep", "statics", "tension",
-    "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
+    "part_outputs", "payout", "promote", "raos", "rigid", "rotation", "scales", "sleep",
+    "statics", "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")
 """In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
 RARE_ENTRIES = (
     "bodies",
+    "count_growing",
+    "count_swinging",
     "draw_alike",
     "drive",
     "energy",

@@ -24,7 +24,7 @@ NAME_WORDS = 12
 """Of a coefficient's row: its variable's name, for messages."""
 _CHECKSUM, _KERNELS, _GUID, _FLAGS, _SYSTEM, _INPUTS, _FRAME, _FACTS = 3, 4, 5, 10, 15, 16, 26, 32
 SCENE_INPUTS, STATIC, PINNED, ESTIMATE, IGNORE, MOVABLE, AT_START = 1, 2, 4, 8, 16, 32, 64
-LEVEL = 512
+LEVEL, LEAVES = 512, 1024
 VESSEL_INPUT = 128
 """What vessel.input begins as, times this."""
 LARGEST = 1e30
@@ -53,6 +53,8 @@ class ModelFile:
     """Whether the start of the tow point, or of a system's vessels, may be set."""
     level: bool
     """Whether it may be moved along a level floor."""
+    leaves: bool
+    """Whether small motions about the start may grow by themselves."""
     at_start: bool
     """Whether values hold at the start of a step, unless input.timing is set."""
     vessel_input: int
@@ -82,6 +84,7 @@ class ModelFile:
                 (IGNORE, self.ignore),
                 (MOVABLE, self.movable),
                 (LEVEL, self.level),
+                (LEAVES, self.leaves),
                 (AT_START, self.at_start),
                 (VESSEL_INPUT * self.vessel_input, True),
             )

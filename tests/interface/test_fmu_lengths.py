@@ -1,5 +1,6 @@
 """Lengths as fixed parameters: as if the scene had been exported with them, or refused."""
 
+import contextlib
 import copy
 from pathlib import Path
 
@@ -276,6 +277,19 @@ CLAMPED = {
     "vessel": {"connection": {"clamped": [1, 0, -0.2]}},
 }
 
+UPRIGHT = {
+    "cable_types": {"K": {**CABLE, "bending_stiffness": 50.0, "submerged_weight": 2.0}},
+    "line": [cable(4.0)],
+    "vessel": {"connection": {"clamped": [0, 0, 1]}},
+}
+"""Bends over where it is longer than 5.8 m: q L^3 / EI = 7.84 (Greenhill)."""
+ABOVE = {
+    **SLACK,
+    "line": [cable(30.0)],
+    "vessel": {"position": [0, 0, -30]},
+    "end": {"anchor": [2, 0, 0]},
+}
+
 
 @pytest.mark.parametrize(
     ("data", "values", "said"),
@@ -284,7 +298,7 @@ CLAMPED = {
         (SLACK, {"line.cable[1].length": 160.0}, ["bends"]),
         (SLACK, {"vessel.start_position[1]": 30.0}, ["bends"]),
         (CLAMPED, {"cable_types.K.submerged_weight": 50.0}, ["bends"]),
-        ({**SLACK, "end": "free"}, {"cable_types.K.submerged_weight": -2.0}, ["presses"]),
+        (UPRIGHT, {"line.cable[1].length": 5.6}, ["presses"]),
         ({**SLACK, "end": "free"}, {"cable_types.K.submerged_weight": 2.0}, []),
     ],
 )
@@ -298,8 +312,54 @@ def test_a_start_that_is_not_one_to_go_by_is_warned_of(data, values, said, tmp_p
             assert "export the scene with these values" in text
         if said == ["presses"]:
             assert f"lowest tension {slave.get('tension.top'):g} N" in slave.messages[0][1]
-            assert slave.get("tension.top") < -100.0
+            assert slave.get("tension.top") == pytest.approx(-2.0 * 5.6, rel=1e-6)
         slave.close()
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "value"),
+    [
+        (UPRIGHT, "line.cable[1].length", 6.0),
+        (UPRIGHT, "cable_types.K.submerged_weight", 7.0),
+        ({**SLACK, "end": "free"}, "cable_types.K.submerged_weight", -2.0),
+        *((ABOVE, "line.cable[1].length", length) for length in (31.0, 36.0, 57.0)),
+    ],
+)
+def test_a_start_that_falls_by_itself_is_refused(data, name, value, tmp_path):
+    """The library looks for another one; the value set back begins as the scene."""
+    with unpacked(cm.load_scene(data), tmp_path, stations=3) as (place, description):
+        slave, plain = Slave(place, description, begin=False), Slave(place, description)
+        slave.fmu.setupExperiment()
+        slave.set(name, value)
+        slave.fmu.enterInitializationMode()
+        with pytest.raises(FMICallException):
+            slave.fmu.exitInitializationMode()
+        said = slave.messages[-1][1]
+        assert f"{name} is not the scene's: the start that is found with it falls" in said
+        assert "export the scene with this value" in said
+        slave.set(name, plain.get(name))
+        slave.fmu.exitInitializationMode()
+        for one in (slave, plain):
+            one.step(0.5)
+        assert slave.get("line.position").tobytes() == plain.get("line.position").tobytes()
+        slave.close()
+        plain.close()
+
+
+@pytest.mark.parametrize("factor", [0.98, 1.02, 1.05, 1.1, 1.3, 1.5, 1.9])
+def test_a_line_below_its_anchor_starts_as_the_library_or_says_something(factor, tmp_path):
+    """Straight above or aside, taut and with slack that hangs doubled: a start that is not the
+    library's, within the promise, is warned of or refused."""
+    for x in (0.0, 2.0):
+        data = {**ABOVE, "end": {"anchor": [x, 0, 0]}}
+        length = 30.0 * factor
+        with unpacked(cm.load_scene(data), tmp_path, stations=STATIONS) as (place, description):
+            slave = Slave(place, description, begin=False)
+            with contextlib.suppress(FMICallException):
+                slave._begin(**{"line.cable[1].length": length})
+            model = cm.CableModel(with_lengths(cm.load_scene(data).to_dict(), [length], []))
+            assert slave.messages or max(difference(slave, model)) < 1.0
+            slave.close()
 
 
 def test_a_start_on_a_sea_floor_is_not_found_anew(tmp_path):

@@ -28,6 +28,7 @@ import cablemodel as cm
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems import SystemModel
+from tests.verification.test_system_small_motions import towed_wing
 
 Lengths = dict[str, list[float]]
 
@@ -342,3 +343,73 @@ def test_errors_are_estimated_at_the_same_lengths(tmp_path: Path) -> None:
             slave.step(0.5)
             model.step(0.5)
         slave.close()
+
+
+FACTORS = 0.7, 0.85, 1.0, 1.1, 1.2, 1.4, 1.5
+READY: dict[str, tuple[float, ...]] = {
+    "anchor_last": (),
+    "array_from_its_drum": (),
+    "bridle_tow": (),
+    "cage_and_vehicle": (),
+    "cage_on_its_winch": (),
+    "depressor": (),
+    "otter_boards": (1.2, 1.4, 1.5),
+    "streamer": (),
+}
+"""Ready scenes, and by how much longer all their lines are where they swing up by themselves."""
+
+
+@pytest.mark.parametrize("name", READY)
+@pytest.mark.filterwarnings("ignore::cablemodel.errors.UnstableStartWarning")
+def test_all_lines_longer_or_shorter_start_as_in_the_library_or_are_refused(
+    name: str, tmp_path: Path
+) -> None:
+    """Where the library warns, or finds another start than the scene's is made into."""
+    scene = stored(name)
+    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+        for factor in FACTORS:
+            lengths = scaled(scene, **dict.fromkeys(scene.lines, factor))
+            slave = Slave(*found, begin=False)
+            if factor in READY[name]:
+                with pytest.raises(FMICallException):
+                    slave._begin(**parameters(lengths))
+                said = slave.messages[-1][1]
+                first = next(iter(parameters(lengths)))
+                assert f"{first} is not the scene's: the start that is found with it" in said
+                assert "falls or swings up by itself; export the scene with this value" in said
+            else:
+                slave._begin(**parameters(lengths))
+                assert max(promised(slave, SystemModel(with_lengths(scene, lengths)))) < 1.0
+                slow = [text for _, text in slave.messages if "stretched" not in text]
+                assert slow == []
+            slave.close()
+
+
+def test_a_speed_at_which_it_swings_up_is_refused(tmp_path: Path) -> None:
+    """A wing without a tail, lowered at rest and exported so."""
+    scene = cm.load_system(
+        towed_wing(-0.05) | {"vessels": {"ship": {"points": {"stern": [0, 0, 0]}}}}
+    )
+    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, begin=False)
+        with pytest.raises(FMICallException):
+            slave._begin(**{"ship.start_velocity": [2.0, 0.0, 0.0]})
+        said = slave.messages[-1][1]
+        assert "ship.start_velocity is not the scene's: the start that is found with it" in said
+        slave.close()
+
+
+@pytest.mark.filterwarnings("ignore::cablemodel.errors.UnstableStartWarning")
+def test_what_the_scene_swings_up_from_is_warned_of(tmp_path: Path) -> None:
+    """An exported start that the library warned of: others are begun with, and warned of."""
+    scene = cm.load_system(towed_wing(-0.05))
+    with unpacked(scene, tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"tow.cable[1].length": 66.0})
+        ((status, said),) = slave.messages
+        assert status == 1
+        assert "this start may fall or swing up by itself, as the scene's own" in said
+        slave.step(0.5)
+        slave.close()
+        plain = Slave(*found)
+        assert plain.messages == []
+        plain.close()

@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 from typer.testing import CliRunner
 
+import cablemodel as cm
+from benchmarks.random_systems import scene_of
 from cablemodel.cli import app
 from cablemodel.errors import UnstableStartWarning
-from cablemodel.solvers.finite_element.linearisation import free_motions, matrices
+from cablemodel.solvers import library
+from cablemodel.solvers.finite_element.linearisation import (
+    free_motions,
+    matrices,
+    small_motions,
+)
+from cablemodel.solvers.finite_element.stability import slowest_growth
 from cablemodel.systems import SystemModel
+from tests.verification.test_system_clamps import cage, two_parallel_beams
+from tests.verification.test_system_cycles import two_bars
 from tests.verification.test_systems import G, hung_bar, in_vacuum, string
+
+SCENES = Path(__file__).parents[2] / "scenes" / "systems"
 
 
 def test_frequencies_of_a_bar_on_two_strings() -> None:
@@ -201,3 +214,87 @@ def test_check_lists_it(tmp_path) -> None:
     result = CliRunner().invoke(app, ["check", str(path)])
     assert result.exit_code == 0, result.output
     assert "unstable equilibrium" in result.output
+
+
+def growing_by_kernel(model: SystemModel) -> tuple[int, int]:
+    """What `count_growing` and `count_swinging` say of a system's state."""
+    block = model.built.block
+    kept, least = block.image.copy(), slowest_growth(block)
+    held = library.count_growing(block.ints, block.reals, least)
+    block.image[:] = kept
+    work = np.zeros(library.count_swinging(block.ints, block.reals, least, np.zeros(1)))
+    growing = library.count_swinging(block.ints, block.reals, least, work)
+    block.image[:] = kept
+    return held, growing
+
+
+def growing_by_dense_matrices(model: SystemModel) -> tuple[int, int]:
+    """Negative eigenvalues of the symmetric part of A at the slowest growth that matters, and how
+    many of all motions' growths are above that."""
+    block = model.built.block
+    kept, least = block.image.copy(), slowest_growth(block)
+    library.count_growing(block.ints, block.reals, least)  # which lifts what is pressed
+    mass, damping, stiffness = small_motions(block)
+    block.image[:] = kept
+    a = stiffness + least * damping + least * least * mass
+    rows = np.hstack([np.linalg.solve(mass, stiffness), np.linalg.solve(mass, damping)])
+    count = len(mass)
+    rates = np.linalg.eigvals(np.vstack([np.eye(2 * count)[count:], -rows]))
+    return int(np.sum(np.linalg.eigvalsh(a + a.T) < 0.0)), int(np.sum(rates.real > least))
+
+
+def all_lines(name: str, factor: float) -> dict:
+    """A ready scene whose lines are so many times as long."""
+    scene = cm.load_system(SCENES / f"{name}.yaml").to_dict()
+    for line in scene["lines"].values():
+        for item in line["items"]:
+            if item.get("cable"):
+                item["cable"]["length"] *= factor
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("source", "growing"),
+    [
+        (body_on_a_string(0.4), 2),
+        (body_on_a_string(-0.4), 0),
+        (towed_wing(-0.05), 2),
+        (towed_wing(0.1), 0),
+        *((all_lines("otter_boards", factor), grows) for factor, grows in ((1.1, 0), (1.2, 4))),
+        *((all_lines("streamer", factor), 0) for factor in (0.8, 1.0, 1.1, 1.3)),
+        (all_lines("depressor", 1.0), 0),
+        (all_lines("array_from_its_drum", 1.0), 0),
+        (all_lines("anchor_last", 1.0), 0),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::cablemodel.errors.UnstableStartWarning")
+def test_the_kernels_count_what_grows_as_dense_matrices_do(source, growing) -> None:
+    model = SystemModel(source)
+    found = growing_by_kernel(model)
+    assert found == growing_by_dense_matrices(model)
+    if growing is not None:
+        assert found[1] == growing
+
+
+def test_a_system_with_a_cycle_and_clamps_is_counted_through_its_closures() -> None:
+    """As if its ends had never been free: motions that leave the gaps closed."""
+    for source in (two_bars(), two_parallel_beams(4), cage()):
+        model = SystemModel(source)
+        assert model.built.block.header.closure_count > 0
+        assert growing_by_kernel(model) == growing_by_dense_matrices(model)
+
+
+def test_a_wing_that_swings_up_fast_on_a_long_line_is_warned_of() -> None:
+    """With a branch: motions of the undamped system alone did not lead to it."""
+    scene, _push = scene_of(18)
+    for line in scene["lines"].values():
+        for item in line["items"]:
+            if item.get("cable"):
+                item["cable"]["length"] *= 1.4
+    scene.pop("cuts")
+    with pytest.warns(UnstableStartWarning) as caught:
+        model = SystemModel(scene)
+    (warning,) = (w.message for w in caught if isinstance(w.message, UnstableStartWarning))
+    assert growing_by_kernel(model)[1] == growing_by_dense_matrices(model)[1] == 2
+    assert warning.rate == pytest.approx(1.73, rel=0.01)
+    assert warning.frequency == pytest.approx(4.57, rel=0.01)

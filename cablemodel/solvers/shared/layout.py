@@ -920,6 +920,9 @@ PART_WORDS = PartMotion.WORDS
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 
+# Motions of a system that are coupled, at most, to see what grows: kernels/line/swinging.py.
+MOTIONS = 60
+
 # Words of the workspace at `gauss`: those of an element, then the water that it moves through.
 ELEMENT_WORDS = 768
 ELIMINATION = 80  # first of those that the elimination of a node uses: two blocks

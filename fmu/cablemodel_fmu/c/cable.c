@@ -34,8 +34,8 @@ void restart_cable(Cable *cable) {
     cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
     cable->now.vessel_input = (cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT;
     cable->now.input_timing = (cable->flags & FLAG_AT_START) ? AT_START : AT_END;
-    cable->bent = 0.0;
-    cable->stretched = cable->pressed = 0.0;
+    cable->bent = cable->stretched = cable->pressed = 0.0;
+    cable->leaves = 0;
     if (cable->finer != NULL) restart_cable(cable->finer);
     if (cable->system != NULL) restart_system(cable);
     outputs_changed(cable);

@@ -49,7 +49,8 @@ enum {
     FLAG_MOVABLE = 32, /* the start of the tow point, or of vessels, may be set */
     FLAG_AT_START = 64, /* input.timing begins as 2 */
     FLAG_VESSEL_INPUT_UNIT = 128, FLAG_VESSEL_INPUT = 3 * 128, /* what vessel.input begins as */
-    FLAG_LEVEL = 512 /* the tow point's start may be moved along a level floor, and all that lies with it */
+    FLAG_LEVEL = 512, /* the tow point's start may be moved along a level floor, and all that lies with it */
+    FLAG_LEAVES = 1024 /* small motions about the exported start may grow by themselves */
 };
 #define FILE_MAGIC INT64_C(0x554d46454c424143) /* "CABLEFMU" */
 #define STATE_MAGIC INT64_C(0x5441545346434244)
@@ -144,6 +145,7 @@ typedef struct Cable {
     double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
     double bent; /* times as much as the exported elements can follow, of the shape at the start; or 0 */
     double stretched; /* strain at such a start, where it is a large one and was not exported; or 0 */
+    int leaves; /* such a start may be left by itself, as the exported one may */
     double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
@@ -172,6 +174,8 @@ int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
 int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
+int64_t cablemodel_count_growing(void *block, int64_t words, double rate);
+int64_t cablemodel_count_swinging(void *block, int64_t words, double rate, double *work, int64_t n);
 int64_t cablemodel_measure(void *block, int64_t words, double *facts, int64_t n);
 int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
 int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,
@@ -323,6 +327,9 @@ double *bends_of(const Cable *cable);
 double most_bent(const Cable *cable);
 double most_stretched(const Cable *cable);
 void judge_shape(Cable *cable, double bent, double stretched);
+int64_t *copy_of_image(const Cable *cable);
+void give_back(Cable *cable, const int64_t *image);
+const char *judge_growth(Cable *cable, const char *changed);
 const char *settle_cable(Cable *cable);
 
 /* system_lengths.c */

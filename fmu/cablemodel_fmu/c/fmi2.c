@@ -203,6 +203,9 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
         report(in, fmi2Warning, "fmi2ExitInitializationMode: this start presses the line (lowest tension "
                "%g N): it may not be the one that the line stays in; export the scene with these values",
                in->cable.pressed);
+    if (in->cable.leaves)
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: this start may fall or swing up by itself, as the scene's "
+               "own may: export the scene with these values, where another one is looked for");
     in->cable.now.phase = STEPPING;
     return report(in, fmi2OK, "initialized at t = %g s", cable_time(&in->cable));
 }

@@ -401,6 +401,67 @@ void judge_shape(Cable *cable, double bent, double stretched) {
     if (!(cable->stretched > fmax(LARGE_STRAIN, stretched))) cable->stretched = 0.0;
 }
 
+int64_t *copy_of_image(const Cable *cable) {
+    int64_t *copy = malloc(8 * (size_t)cable->image_words);
+    if (copy != NULL) memcpy(copy, cable->I, 8 * (size_t)cable->image_words);
+    return copy;
+}
+
+void give_back(Cable *cable, const int64_t *image) {
+    memcpy(cable->I, image, 8 * (size_t)cable->image_words);
+}
+
+/* The cable as it stands in its shape, where a winch pays out: a shape that turns takes its flow along. */
+static void stop_flow(Cable *cable) {
+    const int64_t *I = cable->I, dimension = header(I)->dimension, size = 2 * dimension;
+    double frame[3];
+    if (is_system(I) || !header(I)->payout || winch_of(I, 0)->rate == 0.0) return;
+    frame_of(cable, frame);
+    for (int64_t node = 0; node < header(I)->nodes; node++) {
+        double *v = cable->M + header(I)->velocity + size * node;
+        int moves = 0;
+        for (int64_t i = 0; i < dimension; i++) moves |= v[i] != 0.0;
+        memset(v, 0, sizeof(double) * (size_t)size);
+        if (moves) memcpy(v, frame, sizeof(double) * (size_t)dimension);
+    }
+    memset(cable->M + header(I)->acceleration, 0, sizeof(double) * (size_t)(size * header(I)->nodes));
+    winch_of(I, 0)->rate = 0.0;
+}
+
+/* How many small motions about a start grow by themselves: `instability` of
+   cablemodel/systems/stability.py, `stays` of cablemodel/solvers/finite_element/start/unstable_start.py.
+   0: none; -1: it cannot be told. */
+static int64_t count_growing(Cable *cable) {
+    const double rate = SLOWEST / scalars(cable->M)->period;
+    int64_t *kept = copy_of_image(cable);
+    if (kept == NULL) return -1;
+    stop_flow(cable);
+    int64_t found = cablemodel_count_growing(cable->I, cable->block_words, rate);
+    give_back(cable, kept);
+    if (is_system(cable->I) && (found != 0 || header(cable->I)->foil_count > 0)) {
+        double none[1];
+        const int64_t words = cablemodel_count_swinging(cable->I, cable->block_words, rate, none, 1);
+        double *work = malloc(sizeof(double) * (size_t)words);
+        found = work == NULL ? -1 : cablemodel_count_swinging(cable->I, cable->block_words, rate, work, words);
+        free(work);
+        give_back(cable, kept);
+    }
+    free(kept);
+    return found;
+}
+
+/* Why a start that was found anew is none to begin with, where the exported one is: NULL: it is one, or
+   is warned of. */
+const char *judge_growth(Cable *cable, const char *changed) {
+    if (count_growing(cable) == 0) return NULL;
+    cable->leaves = (cable->flags & FLAG_LEAVES) != 0;
+    if (cable->leaves) return NULL;
+    snprintf(cable->message, sizeof cable->message,
+             "%s is not the scene's: the start that is found with it falls or swings up by itself; export the "
+             "scene with this value, where another one is looked for", changed);
+    return cable->message;
+}
+
 /* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set; and
    the start that was set. */
 static int64_t stretch_line(Cable *cable, double from, double to) {
@@ -480,6 +541,7 @@ static const char *settle(Cable *cable) {
     int64_t status = STATICS_FAILED;
     Exported before = {0};
     cable->bent = cable->stretched = cable->pressed = 0.0;
+    cable->leaves = 0;
     if (first_changed(cable) == NULL && !position_changed(cable) && !velocity_changed(cable)) {
         restore_exported(cable);
         return NULL;
@@ -514,7 +576,10 @@ static const char *settle(Cable *cable) {
         outputs_changed(cable);
         if (touches_floor(cable)) return refuse_on_floor(cable);
         judge(cable, &before);
-        return NULL;
+        const Parameter *changed = first_changed(cable);
+        return judge_growth(cable, changed != NULL           ? changed->name
+                                   : position_changed(cable) ? "vessel.start_position"
+                                                             : "vessel.start_velocity");
     }
     if (status == NO_CAPACITY) return refuse_on_floor(cable); /* elements follow a line down to it */
     return "no static equilibrium was found for these lengths, coefficients and start";

@@ -401,16 +401,6 @@ static int64_t come_to_rest(Cable *cable, double velocity[3]) {
     return OK;
 }
 
-static int64_t *copy_of_image(const Cable *cable) {
-    int64_t *copy = malloc(8 * (size_t)cable->image_words);
-    if (copy != NULL) memcpy(copy, cable->I, 8 * (size_t)cable->image_words);
-    return copy;
-}
-
-static void give_back(Cable *cable, const int64_t *image) {
-    memcpy(cable->I, image, 8 * (size_t)cable->image_words);
-}
-
 /* Halve what bends too much, from the last element on: halves go where the whole one went. */
 static int64_t halve_bent(Cable *cable) {
     int64_t found = NOTHING;
@@ -587,10 +577,28 @@ static void judge(Cable *cable, double bent, double stretched) {
     cable->pressed = pressed_by(cable);
 }
 
+/* What is asked for that is not as the scene has it, by name. */
+static const char *name_changed(const Cable *cable, char *name, size_t size) {
+    const Parameter *tuned = first_changed(cable);
+    char vessel[96];
+    if (tuned != NULL) return tuned->name;
+    for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {
+        if (!is_changed(cable, n) || !is_used(cable, n)) continue;
+        const VesselStart scene = scene_start(cable, n), *start = vessel_starts(cable) + n;
+        name_vessel(cable, n, vessel, sizeof vessel);
+        snprintf(name, size, "%s.start_%s", vessel,
+                 differs(start->velocity, scene.velocity) ? "velocity"
+                 : differs(start->position, scene.position) ? "position" : "attitude");
+        break;
+    }
+    return name;
+}
+
 static const char *search(Cable *cable) {
     const Way way = way_of(cable);
     const double bent = most_bent(cable), stretched = most_stretched(cable);
     double velocity[3];
+    char name[128] = "";
     int64_t status = OK, *kept = copy_of_image(cable);
     if (kept == NULL) return "out of memory";
     run_winches(cable, 0);
@@ -619,6 +627,8 @@ static const char *search(Cable *cable) {
     velocity_at(&way, 1.0, velocity);
     if (status == OK) status = refine(cable, velocity, 0);
     if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, velocity, 1);
+    const char *left = status == OK ? judge_growth(cable, name_changed(cable, name, sizeof name)) : NULL;
+    if (left != NULL) return left;
     if (status == OK && !differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
     if (status == NO_CAPACITY) return "out of memory";
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
@@ -657,6 +667,7 @@ const char *settle_system(Cable *cable) {
     int changed = 0, moved = 0;
     double way[3] = {0};
     cable->bent = cable->stretched = cable->pressed = 0.0;
+    cable->leaves = 0;
     const Parameter *tuned = first_changed(cable);
     restore_exported(cable);
     for (int64_t n = 0; n < header(cable->I)->frame_count; n++) {

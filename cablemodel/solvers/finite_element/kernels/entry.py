@@ -9,7 +9,7 @@ from numba import float64, int64
 from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
 from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
 from cablemodel.solvers.finite_element.kernels.floor import floor_memory
-from cablemodel.solvers.finite_element.kernels.line import system
+from cablemodel.solvers.finite_element.kernels.line import inertia, swinging, system
 from cablemodel.solvers.finite_element.kernels.mesh import (
     bending_mesh,
     firm_friction,
@@ -133,6 +133,22 @@ def place_supports(I, M):
         M[head.acceleration : head.acceleration + count],
     )
     return head.constraint_count
+
+
+@entry_point(int64(INTEGERS, REALS, float64))
+def count_growing(I, M, rate):
+    """Of small motions how many grow faster than a rate [1/s]: inertia.count_growing. Uses the
+    block up."""
+    return inertia.count_growing(I, M, rate)
+
+
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def count_swinging(I, M, rate, work):
+    """The same of a system, whether they swing or not: swinging.count_swinging. Without room for
+    that, returns how much it needs."""
+    if len(work) < swinging.work_words(I):
+        return swinging.work_words(I)
+    return swinging.count_swinging(I, M, rate, work)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
@@ -309,6 +325,8 @@ ENTRY_POINTS = {
     "halve_at_rest": halve_at_rest,
     "measure_bends": measure_bends,
     "place_supports": place_supports,
+    "count_growing": count_growing,
+    "count_swinging": count_swinging,
     "measure": measure,
     "sample": sample,
     "bodies": bodies,

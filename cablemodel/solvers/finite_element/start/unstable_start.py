@@ -84,11 +84,10 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
     Warns:
         UnstableStartWarning: no stable one was found; the block is as it was.
     """
-    still = _without_flow(block, scene)
-    if is_held(still, slowest_growth(still)):
-        return block  # as nearly all are
+    if stays(block, scene):
+        return block  # as nearly all do
     way = _way(block, scene)
-    first = growing_motion(still, way)
+    first = growing_motion(_without_flow(block, scene), way)
     if first is None:
         return block
     strategies: list[Callable[[], Block | None]] = [
@@ -112,6 +111,12 @@ def left(block: Block, scene: Scene, ways: Ways) -> Block:
             break
     warnings.warn(UnstableStartWarning(first.rate, first.arc), stacklevel=2)
     return block
+
+
+def stays(block: Block, scene: Scene) -> bool:
+    """Whether no small motion about a block's start grows by a rate that matters."""
+    still = _without_flow(block, scene)
+    return is_held(still, slowest_growth(still))
 
 
 def _without_flow(block: Block, scene: Scene) -> Block:

@@ -19,23 +19,18 @@ from cablemodel.solvers.finite_element.kernels.element.strain import (
     promised_tension,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
+from cablemodel.solvers.finite_element.kernels.line.inertia import is_held
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import slope_is_held
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
-    JOINT_ARM,
-    JOINT_FREE,
-    JOINT_HINGE,
 )
 
 BUCKLING_FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
 GOLDEN_ANGLE = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
-
-own_block = own_numbers(36)
-"""own_block(): zeros, a block of the matrix of nodes."""
 
 
 @kernel
@@ -71,36 +66,6 @@ def any_pressed(I, M, q, tension):
         if is_pressed(I, M, node, q, tension, least):
             return True
     return False
-
-
-@kernel
-def is_held(I, M):
-    """Whether the matrix that is factored has no negative pivot."""
-    head = header(I)
-    size = 2 * head.dimension
-    work = own_block()
-    for node in range(head.nodes):
-        D = view(M, head.diagonal + size * size * node, size * size)
-        joint = I[head.joint + node]
-        hinge = joint == JOINT_HINGE or joint == JOINT_ARM or joint == JOINT_FREE
-        if hinge or head.rigid > 0:
-            for k in range(size // 2 if hinge else 0, size):
-                if D[size * k + k] <= 0.0:
-                    return False
-            continue
-        # The inverse of the node's block is kept: it has as many negative pivots.
-        for i in range(size):
-            for j in range(size):
-                work[size * i + j] = 0.5 * (D[size * i + j] + D[size * j + i])
-        for k in range(size):
-            pivot = work[size * k + k]
-            if pivot <= 0.0:
-                return False
-            for i in range(k + 1, size):
-                factor = work[size * i + k] / pivot
-                for j in range(k + 1, size):
-                    work[size * i + j] -= factor * work[size * k + j]
-    return True
 
 
 @kernel

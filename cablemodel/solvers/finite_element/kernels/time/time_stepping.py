@@ -16,6 +16,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAG
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import settle
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, leave_floor
 from cablemodel.solvers.finite_element.kernels.line.closures import give_back_forces, keep_forces
+from cablemodel.solvers.finite_element.kernels.line.inertia import is_held
 from cablemodel.solvers.finite_element.kernels.line.newton import is_folded, refactor
 from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import follow_bending
 from cablemodel.solvers.finite_element.kernels.mesh.cuts import (
@@ -42,7 +43,6 @@ from cablemodel.solvers.finite_element.kernels.time.buckling import (
     any_pressed,
     arch_stands,
     fall_over,
-    is_held,
     make_crooked,
 )
 from cablemodel.solvers.finite_element.kernels.time.consistency import (
