@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import cablemodel as cm
 from tests.verification.references.lays import ARMOURED, LIGHT, lay_angle
-from tests.verification.references.lumped_lay import anchored_in_heave
+from tests.verification.references.lumped_lay import anchored_masses
 from tests.verification.references.moored import moored_catenary
 from tests.verification.scenes import CABLE_K
 
@@ -177,16 +177,16 @@ def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angl
     assert model.sample(s).tension == pytest.approx(found, abs=0.15 * promised)
 
 
+SPEEDS = [(0.0, 0.0), (40.0, 1.0 / 40.0), (80.0, 0.0), (200.0, 0.0)]
+"""Of a vessel that moves off by 1 m: time [s], speed [m/s]."""
+
+
 @pytest.mark.parametrize("friction", [0.3, 1.0])
-@pytest.mark.parametrize("kind", FRICTION_ENDS)
+@pytest.mark.parametrize("kind", ["armoured", "power"])
 def test_an_anchor_hardly_feels_a_vessel_that_moves_off(kind, friction):
     """What slips ends where Coulomb's friction has taken up the change of tension. Friction that
     steps worked loose, or that crept on, pulled the anchor with 20 promises."""
-    _, depth, hangs, _ = FRICTION_ENDS[kind]
-    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
-    speeds = [(0.0, 0.0), (40.0, off / 40.0), (80.0, 0.0), (200.0, 0.0)]
-    model, line = lying_to_its_anchor(kind, friction, off, speeds=speeds)
-    model.step_to(200.0)
+    model, line = moved_off(kind, friction)
     s = np.linspace(0.0, model.line_length, 201)
     tension = line.tension(model.line_length - s)
     found = model.sample(s).tension
@@ -194,6 +194,43 @@ def test_an_anchor_hardly_feels_a_vessel_that_moves_off(kind, friction):
     assert found[0] == pytest.approx(tension[0], abs=0.2 * promised)
     assert found == pytest.approx(tension, abs=9.0 * promised)
     assert found[-1] == pytest.approx(tension[-1], abs=8.5 * promised)
+
+
+def moved_off(kind, friction):
+    """Such a cable after its vessel has moved off, and the closed form there."""
+    _, depth, hangs, _ = FRICTION_ENDS[kind]
+    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+    speeds = [(t, off * speed) for t, speed in SPEEDS]
+    model, line = lying_to_its_anchor(kind, friction, off, speeds=speeds)
+    model.step_to(200.0)
+    return model, line
+
+
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+def test_what_lies_remembers_higher_tensions_on_the_way(friction):
+    """Eight hundred metres that lie, beside masses with Coulomb's friction: the closed form of the
+    last place is 8 promises from them."""
+    cable_type, depth, hangs, lies = FRICTION_ENDS["light"]
+    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+    model, _ = moved_off("light", friction)
+    _, line = lying_to_its_anchor("light", friction)
+
+    def motion(t):
+        away = off * np.interp(t, *np.transpose(SPEEDS))
+        return np.stack([away, np.zeros_like(away)], axis=-1)
+
+    kind = {
+        **cable_type,
+        "submerged_weight": lay_angle(cable_type, 1.0)[0],
+        "axial_damping": 2e-4 * cable_type["axial_stiffness"],
+    }
+    masses, length = 200, hangs + lies
+    expected = anchored_masses(
+        line, length, masses, motion, kind=kind, depth=depth, duration=200.0, interval=200.0
+    )[-1]
+    found = model.sample(length * (1.0 - (np.arange(masses) + 0.5) / masses)).tension
+    promised = 10.0 * 1e-3 * expected.max()
+    assert found == pytest.approx(expected, abs=4.0 * promised)
 
 
 CHAIN = {
@@ -233,9 +270,9 @@ def test_an_anchor_feels_what_friction_leaves_of_heave(kind):
         cable_type["axial_stiffness"],
         friction,
     )
-    expected = anchored_in_heave(
+    expected = anchored_masses(
         line, length, 200, motion, kind=cable_type, depth=depth, duration=60.0, interval=0.2
-    )
+    )[:, [0, -1]]
     t = np.linspace(0.0, 60.0, 601)
     speeds = [
         {"t": float(at), "velocity": [-drift, 0.0, heave]}

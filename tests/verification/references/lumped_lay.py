@@ -211,26 +211,26 @@ def lay_in_heave(
 def _run_anchored(  # type: ignore[no-untyped-def]
     x, z, rest, spacing, speeds, cable, water, floor, step, outputs, every
 ):
-    """Tensions at the anchor and at the top (outputs, 2); x, z: from the anchor on. speeds: of the
-    top, at every step (steps, 2)."""
+    """Tensions of all springs (outputs, springs), from the anchor on, as x and z are. speeds: of
+    the top, at every step (steps, 2)."""
     n = len(x)
     u, w, fx, fz, ax, az, owns = np.zeros((7, n))
-    tensions = np.zeros((outputs, 2))
+    tensions = np.zeros((outputs, n - 1))
     for k in range(outputs * every):
         u[n - 1], w[n - 1] = speeds[k]
-        anchor, _, _ = _pull(x, z, u, w, 0, spacing, 0.0, cable)
-        top = _forces(
+        if (k + 1) % every == 0:
+            for i in range(n - 1):
+                tensions[k // every, i], _, _ = _pull(x, z, u, w, i, spacing, 0.0, cable)
+        _forces(
             n, x, z, u, w, rest, spacing, spacing, 0.0, cable, water, floor, fx, fz, ax, az, owns
         )
         _move(1, n, x, z, u, w, fx, fz, ax, az, owns, cable, step)
         x[n - 1] += step * u[n - 1]
         z[n - 1] += step * w[n - 1]
-        if (k + 1) % every == 0:
-            tensions[k // every] = anchor, top
     return tensions
 
 
-def anchored_in_heave(
+def anchored_masses(
     line: MooredCatenary,
     length: float,
     masses: int,
@@ -242,7 +242,7 @@ def anchored_in_heave(
     interval: float,
     density: float = 1025.0,
 ) -> FloatArray:
-    """Tensions [N] at the anchor and at the top at the end of every interval [s] (n, 2).
+    """Tensions [N] of all springs, from the anchor on, after every interval [s] (n, masses).
 
     Args:
         line: the start, from the anchor on.
