@@ -196,10 +196,15 @@ def test_an_anchor_hardly_feels_a_vessel_that_moves_off(kind, friction):
     assert found[-1] == pytest.approx(tension[-1], abs=8.5 * promised)
 
 
+def moves_off(kind):
+    """By how much a vessel moves off: .04 of how far its cable reaches that hangs [m]."""
+    _, depth, hangs, _ = FRICTION_ENDS[kind]
+    return 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+
+
 def moved_off(kind, friction):
     """Such a cable after its vessel has moved off, and the closed form there."""
-    _, depth, hangs, _ = FRICTION_ENDS[kind]
-    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+    off = moves_off(kind)
     speeds = [(t, off * speed) for t, speed in SPEEDS]
     model, line = lying_to_its_anchor(kind, friction, off, speeds=speeds)
     model.step_to(200.0)
@@ -211,7 +216,7 @@ def test_what_lies_remembers_higher_tensions_on_the_way(friction):
     """Eight hundred metres that lie, beside masses with Coulomb's friction: the closed form of the
     last place is 8 promises from them."""
     cable_type, depth, hangs, lies = FRICTION_ENDS["light"]
-    off = 0.04 * 0.9 * np.sqrt(hangs**2 - depth**2)
+    off = moves_off("light")
     model, _ = moved_off("light", friction)
     _, line = lying_to_its_anchor("light", friction)
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers import library as entry
 from cablemodel.solvers.finite_element.block import Block
+from cablemodel.solvers.finite_element.kernels.element.tables import SLOW_DAMPING
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
@@ -23,8 +24,6 @@ STIFFEST = 1e6
 LINEAR_ROUNDING = 1e-12
 Matrix = Any
 """Of scipy.sparse."""
-SLOW = 1e3
-"""Of damping: a free body's are differences, over 1e-6 of what it is, that stay small by that."""
 SHARES_PLACE = at.JOINT_HINGE, at.JOINT_ARM, at.JOINT_FREE
 """Joints at which a node's place is its parent's, or follows it."""
 TIED = 0, at.JOINT_BODY
@@ -48,7 +47,7 @@ def matrices(block: Block) -> tuple[Matrix, Matrix, Matrix]:
         largest = max(np.abs(guess.diagonal()).max(), 1e-30)
         factor = max(1.0, float(np.abs(stiffness.diagonal()).max() / largest))
         if of_velocity and block.header.free_count:
-            factor = min(factor, SLOW)
+            factor = min(factor, SLOW_DAMPING)
         whole = _newton_matrix(block, factor * of_velocity, factor * of_acceleration)
         return (whole - stiffness) / factor
 

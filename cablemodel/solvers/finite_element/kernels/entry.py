@@ -190,21 +190,7 @@ def energy(I, M, out):
 @entry_point(int64(INTEGERS, REALS, float64, float64))
 def assemble(I, M, cv, ca):
     """Effective Jacobian K + cv C + ca M at the present state into the block's matrix arrays."""
-    head = header(I)
-    state = scalars(M)
-    size = 2 * head.dimension
-    count = size * head.nodes
-    system.set_time(I, M, state.time)
-    system.jacobian(
-        I,
-        M,
-        M[head.position : head.position + count],
-        M[head.velocity : head.velocity + count],
-        M[head.acceleration : head.acceleration + count],
-        M[head.tension : head.tension + 2 * head.nodes],
-        ca,
-        cv,
-    )
+    system.assemble_here(I, M, cv, ca)
     return 0
 
 

@@ -94,6 +94,8 @@ BRISTLE = 0.02  # of tau L: way along the floor after which friction is mobilise
 FIRM_BRISTLE = 0.03  # of it, or of 100 tau T^2/(EA mu w), to anchors: steps work shorter ones loose
 SHORTEST_BRISTLE = 5e-9  # of the length, bristles: shorter ones feel how far an equilibrium is off
 
+# Small motions: times damping, whose matrix is a difference of two that stiffness fills.
+SLOW_DAMPING = 1e3  # a free body's are differences, over 1e-6 of what it is: that stays small
 
 # The wet part of an element: a cubic of a quadratic, times a quadratic, is of degree 8.
 _WET = np.polynomial.legendre.leggauss(5)

@@ -16,11 +16,10 @@ import math
 from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
 from cablemodel.solvers.finite_element.kernels.line.closures import column_word
 from cablemodel.solvers.finite_element.kernels.line.system import (
+    assemble_here,
     factor_assembled,
-    jacobian,
-    set_time,
 )
-from cablemodel.solvers.shared.access import closure_of, edge_of, header, scalars
+from cablemodel.solvers.shared.access import closure_of, edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel, outlined, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     JOINT_ARM,
@@ -263,21 +262,9 @@ def count_growing(I, M, rate):
     """Of small motions about the state how many grow faster than a rate [1/s]; -1: a pivot is none.
     The matrix is used up, and of a system what `lift_pressed` changes stays so."""
     head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    set_time(I, M, state.time)
     if head.parts != 0:
         lift_pressed(I, M)
-    jacobian(
-        I,
-        M,
-        view(M, head.position, count),
-        view(M, head.velocity, count),
-        view(M, head.acceleration, count),
-        view(M, head.tension, 2 * head.nodes),
-        rate * rate,
-        rate,
-    )
+    assemble_here(I, M, rate, rate * rate)
     if head.parts != 0:
         make_symmetric(I, M)
     if factor_assembled(I, M) != 0:

@@ -11,6 +11,7 @@ trace of its sign says how many of its eigenvalues have a real part above a rate
 import math
 
 from cablemodel.solvers.finite_element.kernels.bodies.body_clamps import clamp_of_motion
+from cablemodel.solvers.finite_element.kernels.element.tables import SLOW_DAMPING
 from cablemodel.solvers.finite_element.kernels.line.block_solver import solve_parts
 from cablemodel.solvers.finite_element.kernels.line.closures import close_increment
 from cablemodel.solvers.finite_element.kernels.line.inertia import (
@@ -19,10 +20,9 @@ from cablemodel.solvers.finite_element.kernels.line.inertia import (
     negative_eigenvalues,
 )
 from cablemodel.solvers.finite_element.kernels.line.system import (
+    assemble_here,
     constrain_vector,
     factor_assembled,
-    jacobian,
-    set_time,
 )
 from cablemodel.solvers.shared.access import closure_of, free_body_of, header, scalars
 from cablemodel.solvers.shared.compile import kernel, outlined, view
@@ -30,7 +30,6 @@ from cablemodel.solvers.shared.layout import JOINT_BODY, JOINT_NONE, MOTIONS
 
 BESIDE = 3  # motions from which the space is made: as many may be alike
 SAME_MOTION = 1e-8  # of a motion: what is left of one that the others make up
-SLOW_DAMPING = 1e3  # of damping: a free body's are differences, over 1e-6 of what it is
 EVEN_SPREAD = 0.6180339887498949  # multiples of it are spread evenly over 0 ... 1
 
 
@@ -50,17 +49,7 @@ def work_words(I):
 def assemble_into(I, M, cv, ca, less, share, out):
     """Out of a matrix K + cv C + ca M another one, times a share."""
     head = header(I)
-    count = 6 * head.nodes
-    jacobian(
-        I,
-        M,
-        view(M, head.position, count),
-        view(M, head.velocity, count),
-        view(M, head.acceleration, count),
-        view(M, head.tension, 2 * head.nodes),
-        ca,
-        cv,
-    )
+    assemble_here(I, M, cv, ca)
     area = 36 * head.nodes
     for part in range(3):
         start = head.diagonal if part == 0 else head.upper if part == 1 else head.lower
@@ -187,8 +176,8 @@ def find_motions(I, M, mass, damping, basis, x, y):
 @kernel
 def count_swinging(I, M, rate, work):
     """Of small motions about a system's state how many grow faster than a rate [1/s]; -1: the
-    matrix is singular. Tensions and matrix are used up. work: `work_words` of zeros, of which the
-    first ones become the motions that are coupled (MOTIONS, nodes, 6)."""
+    matrix is singular. Tensions and matrix are used up. work: room for `work_words`, of which the
+    first ones become the motions that are coupled (at most MOTIONS, nodes, 6); others stay."""
     head = header(I)
     state = scalars(M)
     count = 6 * head.nodes
@@ -201,7 +190,6 @@ def count_swinging(I, M, rate, work):
     damping = view(work, start + words, words)
     mass = view(work, start + 2 * words, words)
     small = view(work, start + 3 * words, 12 * MOTIONS * MOTIONS)
-    set_time(I, M, state.time)
     lift_pressed(I, M)
     for n in range(words):
         stiffness[n] = 0.0

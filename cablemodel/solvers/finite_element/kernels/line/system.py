@@ -385,6 +385,24 @@ def factorise(I, M, q, v, a, tension, ca, cv):
 
 
 @kernel
+def assemble_here(I, M, cv, ca):
+    """K + cv C + ca M at the state into the matrix arrays (not constrained, not factored)."""
+    head = header(I)
+    count = 2 * head.dimension * head.nodes
+    set_time(I, M, scalars(M).time)
+    jacobian(
+        I,
+        M,
+        view(M, head.position, count),
+        view(M, head.velocity, count),
+        view(M, head.acceleration, count),
+        view(M, head.tension, 2 * head.nodes),
+        ca,
+        cv,
+    )
+
+
+@kernel
 def factor_assembled(I, M):
     """Constrain and factor the matrix that has been assembled; returns as `factorise`."""
     head = header(I)

@@ -5,9 +5,9 @@ All kernels use the block up: whoever asks works on a copy.
 
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.system import (
+    assemble_here,
     factorise,
     impose_motion,
-    jacobian,
     newton_increment,
     recover_tension,
     residual,
@@ -139,25 +139,6 @@ def wrenches_when_moved(I, M, length, out):
     if failed == 0:
         add_wrenches(I, M, head.trial_position, out, 6, 0)
     return failed
-
-
-@kernel
-def assemble_here(I, M, cv, ca):
-    """K + cv C + ca M at the state, of a model in three dimensions, into the matrix arrays."""
-    head = header(I)
-    state = scalars(M)
-    count = 6 * head.nodes
-    set_time(I, M, state.time)
-    jacobian(
-        I,
-        M,
-        view(M, head.position, count),
-        view(M, head.velocity, count),
-        view(M, head.acceleration, count),
-        view(M, head.tension, 2 * head.nodes),
-        ca,
-        cv,
-    )
 
 
 @kernel
