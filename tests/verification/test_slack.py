@@ -210,9 +210,6 @@ def loads_on_two_lines(second: float, **more: Any) -> cm.SystemModel:
     )
 
 
-@pytest.mark.xfail(
-    strict=True, reason="what makes a straight line crooked is the mesh's, and so is the side"
-)
 @pytest.mark.parametrize(("weight", "bending"), [(2000.0, 100.0), (4000.0, 20.0)])
 def test_slack_above_a_load_falls_to_one_side_at_every_tolerance(
     weight: float, bending: float

@@ -6,8 +6,12 @@ leads back to the straight, instead of away from it. So where an element that ha
 by more than tensions may be wrong by, a step must be so short that nothing grows within it: the
 matrix of its stages, M / (gamma dt)^2 + C / (gamma dt) + K, has no negative pivot then (Sylvester's
 law of inertia, see cablemodel/solvers/finite_element/stability.py). And what is pressed and
-straight is made crooked, by a part of what positions and tensions may be wrong by, in all waves
-that the mesh has: the fastest of them grows.
+straight is made crooked, by a part of what positions and tensions may be wrong by.
+
+A stretch that is straight as a whole is bent in one bow, a cubic over its length that every mesh
+holds alike: so the side that it goes to is not the mesh's, and what grows from it the same. In a
+stretch that has bent, elements that are straight get all waves that the mesh has: the fastest of
+them grows; and one that lies in a vertical plane gets a bow out of it.
 
 A strut that is stiff enough, as a riser below its Euler load, has no negative pivot at any step.
 """
@@ -30,6 +34,9 @@ from cablemodel.solvers.shared.layout import (
 )
 
 BUCKLING_FLAT = 1e-3  # of what cable is made crooked by: what is so flat never was
+BUCKLING_BENT = 10.0  # bows: cable that is as far off its chord has bent
+BOW_HEIGHT = 4.0 / 27.0  # largest x^2 (1 - x)
+UPRIGHT = 1e-6  # sine of an angle off the vertical, below which cable is in no vertical plane
 GOLDEN_ANGLE = 2.399963229728653  # golden angle: its multiples hold all waves of the mesh [rad]
 
 
@@ -70,7 +77,7 @@ def any_pressed(I, M, q, tension):
 
 @kernel
 def across(I, M, node, out):
-    """A horizontal unit vector across the line at a node, or the one nearest to it, into out."""
+    """A unit vector across the line at a node, in the vertical plane of its slope, into out."""
     head = header(I)
     dimension = head.dimension
     slope = view(M, head.position + (2 * node + 1) * dimension, dimension)
@@ -81,15 +88,18 @@ def across(I, M, node, out):
         out[0] = -slope[1] / math.sqrt(square)
         out[1] = slope[0] / math.sqrt(square)
         return
-    # The first axis without its part along the line, or the second one where that is short.
-    first = 0 if slope[0] * slope[0] < 0.5 * square else 1
-    along = slope[first] / square
-    length = 0.0
+    along = math.hypot(slope[0], slope[1])
+    x = 1.0
+    y = 0.0
+    if along > UPRIGHT * math.sqrt(square):
+        x = slope[0] / along
+        y = slope[1] / along
+    out[0] = -slope[2] * x
+    out[1] = -slope[2] * y
+    out[2] = slope[0] * x + slope[1] * y
+    length = math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2)
     for i in range(3):
-        out[i] = (1.0 if i == first else 0.0) - along * slope[i]
-        length += out[i] * out[i]
-    for i in range(3):
-        out[i] /= math.sqrt(length)
+        out[i] /= length
 
 
 @kernel
@@ -127,9 +137,149 @@ def is_strut(I, M, node, q, tension, least):
 
 
 @kernel
+def end_of_stretch(I, M, first, q, tension, least):
+    """The last node of the pressed cable that begins at the element above a node."""
+    head = header(I)
+    last = first
+    while (
+        last + 1 < head.nodes
+        and I[head.parent + last + 1] == last
+        and is_pressed(I, M, last + 1, q, tension, least)
+    ):
+        last += 1
+    return last
+
+
+@kernel
+def farthest_off(I, M, first, last):
+    """How far the middles and ends of elements `first` to `last` are off their common chord [m]."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    start = head.position + size * I[head.parent + first]
+    end = head.position + size * last
+    chord = vector()
+    square = 0.0
+    for i in range(dimension):
+        chord[i] = M[end + i] - M[start + i]
+        square += chord[i] * chord[i]
+    largest = 0.0
+    for node in range(first, last + 1):
+        q0 = head.position + size * I[head.parent + node]
+        q1 = head.position + size * node
+        h = edge_of(I, M, node).length
+        for middle in range(2):
+            along = 0.0
+            off = 0.0
+            for i in range(dimension):
+                place = M[q1 + i] - M[start + i]
+                if middle == 1:
+                    bend = 0.125 * h * (M[q0 + dimension + i] - M[q1 + dimension + i])
+                    place = 0.5 * (M[q0 + i] + M[q1 + i]) - M[start + i] + bend
+                along += place * chord[i]
+                off += place * place
+            largest = max(largest, off - along * along / square)
+    return math.sqrt(largest)
+
+
+@kernel
+def bow_angle(I, M, first, last, least):
+    """By how much a bow turns elements `first` to `last` [rad]: no more than what positions may be
+    wrong by, nor than what changes their tension by `least` [N]."""
+    length = 0.0
+    softness = 0.0
+    for node in range(first, last + 1):
+        edge = edge_of(I, M, node)
+        length += edge.length
+        softness += edge.compliance * edge.length
+    place = scalars(M).tolerance * scalars(M).length / length
+    return min(place, math.sqrt(least * softness / length))
+
+
+@kernel
+def add_bow(I, M, places, first, last, angle, aside):
+    """Bend elements `first` to `last` in one bow, x^2 (1 - x) over their length.
+
+    places: where the positions, or the places of rest, begin.
+    """
+    head = header(I)
+    dimension = head.dimension
+    length = 0.0
+    for node in range(first, last + 1):
+        length += edge_of(I, M, node).length
+    s = 0.0
+    for node in range(first, last + 1):
+        s += edge_of(I, M, node).length
+        x = s / length
+        at = places + 2 * dimension * node
+        held = slope_is_held(I, M, node)
+        for i in range(dimension):
+            if node < last:
+                M[at + i] += angle * length * x * x * (1.0 - x) * aside[i]
+            if not held:
+                M[at + dimension + i] += angle * x * (2.0 - 3.0 * x) * aside[i]
+
+
+@kernel
+def is_bowed(I, M, first, last, least):
+    """Bend pressed cable in a bow that is straight as a whole: which side it goes to is then the
+    same on every mesh. Whether it is hardly more than that."""
+    length = 0.0
+    for node in range(first, last + 1):
+        length += edge_of(I, M, node).length
+    angle = bow_angle(I, M, first, last, least)
+    off = farthest_off(I, M, first, last) / (BOW_HEIGHT * angle * length)
+    if off <= 1.0:
+        aside = vector()
+        across(I, M, last, aside)
+        add_bow(I, M, header(I).position, first, last, angle, aside)
+    return off < BUCKLING_BENT
+
+
+@kernel
+def off_plane(I, M, node, normal):
+    """By how much the slopes of the element above a node leave its vertical plane, at most [-].
+
+    The normal of that plane, a horizontal unit vector, is written.
+    """
+    h = edge_of(I, M, node).length
+    start = header(I).position
+    q0 = start + 6 * I[header(I).parent + node]
+    q1 = start + 6 * node
+    dx = (M[q1] - M[q0]) / h
+    dy = (M[q1 + 1] - M[q0 + 1]) / h
+    along = math.sqrt(dx * dx + dy * dy)
+    normal[0] = -dy / along if along > 0.0 else 0.0
+    normal[1] = dx / along if along > 0.0 else 1.0
+    normal[2] = 0.0
+    above = M[q0 + 3] * normal[0] + M[q0 + 4] * normal[1]
+    below = M[q1 + 3] * normal[0] + M[q1 + 4] * normal[1]
+    return max(abs(above), abs(below))
+
+
+@kernel
+def bend_out_of_plane(I, M, first, last, least):
+    """Bend elements `first` to `last` in a bow out of the vertical plane in which they lie, if they
+    do. What friction holds is crooked, too."""
+    head = header(I)
+    aside = vector()
+    normal = vector()
+    leaves = off_plane(I, M, first, aside)
+    for node in range(first + 1, last + 1):
+        leaves = max(leaves, off_plane(I, M, node, normal))
+    angle = bow_angle(I, M, first, last, least)
+    if leaves > BUCKLING_FLAT * angle:
+        return
+    if aside[1] < 0.0 or (aside[1] == 0.0 and aside[0] < 0.0):
+        angle = -angle  # a plane has one side, wherever cable in it turns back
+    add_bow(I, M, head.position, first, last, angle, aside)
+    add_bow(I, M, head.rest, first, last, angle, aside)
+
+
+@kernel
 def make_crooked(I, M):
-    """Turn the slopes at the ends of elements of the state that are pressed and straight, where
-    a line so pressed does not stay."""
+    """Bend aside what is pressed and straight, or turn the slopes at the ends of its elements where
+    it has bent as a whole, if a line so pressed does not stay."""
     head = header(I)
     state = scalars(M)
     dimension = head.dimension
@@ -151,7 +301,16 @@ def make_crooked(I, M):
     head.factored = 0
     if stays:
         return
+    last = 0
+    bowed = False
     for node in range(first, head.nodes):
+        if node > last and is_pressed(I, M, node, q, tension, least):
+            last = end_of_stretch(I, M, node, q, tension, least)
+            bowed = is_bowed(I, M, node, last, least)
+            if not bowed and dimension == 3:
+                bend_out_of_plane(I, M, node, last, least)
+        if bowed and node <= last:
+            continue
         if not is_strut(I, M, node, q, tension, least):
             continue
         angle = crookedness(M, edge_of(I, M, node), least)
@@ -188,49 +347,36 @@ def arch_stands(I, M):
     return False
 
 
-@kernel
-def off_plane(I, M, node, normal):
-    """By how much the slopes of the element above a node leave its vertical plane, at most [-].
-
-    The normal of that plane, a horizontal unit vector, is written.
-    """
-    h = edge_of(I, M, node).length
-    start = header(I).position
-    q0 = start + 6 * I[header(I).parent + node]
-    q1 = start + 6 * node
-    dx = (M[q1] - M[q0]) / h
-    dy = (M[q1 + 1] - M[q0 + 1]) / h
-    along = math.sqrt(dx * dx + dy * dy)
-    normal[0] = -dy / along if along > 0.0 else 0.0
-    normal[1] = dx / along if along > 0.0 else 1.0
-    normal[2] = 0.0
-    above = M[q0 + 3] * normal[0] + M[q0 + 4] * normal[1]
-    below = M[q1 + 3] * normal[0] + M[q1 + 4] * normal[1]
-    return max(abs(above), abs(below))
+@inlined
+def lies_slack(I, M, node, q, tension):
+    """Whether the element above a node touches the floor and is not taut."""
+    if I[header(I).joint + node] != 0 or tension[2 * node] >= 0.0:
+        return False
+    return near_floor(I, M, node, q)
 
 
 @kernel
 def fall_over(I, M):
-    """Turn the slopes of slack cable that lies in one vertical plane, where it touches the floor.
+    """Bend slack cable aside that lies in one vertical plane, where it touches the floor.
 
     Loops of slack would stand in that plane, and roll or sway for ever. Any real cable is a little
-    crooked, and they fall over. What friction holds is crooked, too.
+    crooked, and they fall over.
     """
     head = header(I)
     if head.dimension == 2 or head.floor_state != FLOOR_TOUCHED:
         return
     least = promised_tension(M)
-    normal = vector()
     q = view(M, head.position, 6 * head.nodes)
-    for node in range(1, head.nodes):
-        if I[head.joint + node] != 0 or M[head.tension + 2 * node] >= 0.0:
+    tension = view(M, head.tension, 2 * head.nodes)
+    last = 0
+    for first in range(1, head.nodes):
+        if first <= last or not lies_slack(I, M, first, q, tension):
             continue
-        if not near_floor(I, M, node, q):
-            continue
-        angle = crookedness(M, edge_of(I, M, node), least)
-        if off_plane(I, M, node, normal) > BUCKLING_FLAT * angle or slope_is_held(I, M, node):
-            continue
-        angle *= math.cos(GOLDEN_ANGLE * node)
-        for i in range(3):
-            M[head.position + 6 * node + 3 + i] += angle * normal[i]
-            M[head.rest + 6 * node + 3 + i] += angle * normal[i]
+        last = first
+        while (
+            last + 1 < head.nodes
+            and I[head.parent + last + 1] == last
+            and lies_slack(I, M, last + 1, q, tension)
+        ):
+            last += 1
+        bend_out_of_plane(I, M, first, last, least)
