@@ -82,6 +82,8 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "enda": ("from",),
     "end": ("to", "duration"),
     "endb": ("to",),
+    "fairleads": ("points",),
+    "fairlead": ("point",),
     "buoys": ("bodies",),
     "linetypes": ("cable_types",),
 }
