@@ -28,7 +28,7 @@ RUN := out/towed_cable.mcap
 
 .DEFAULT_GOAL := help
 .PHONY: help demo demo-ros test test-all-but-ros test-ros test-ros-aside lint types browser native
-.PHONY: libraries wheel test-tools
+.PHONY: libraries wheel release test-tools
 .PHONY: bench bench-quick bench-ros count-store valgrind stress validate golden docs clean
 
 help:  ## list what make can do
@@ -90,6 +90,12 @@ libraries: $(READY_DEV)  ## build the libraries of all platforms, if the kernels
 
 wheel: libraries  ## build a wheel that holds the libraries of all platforms
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+release: $(READY_DEV)  ## VERSION=1.0.0: write it everywhere, test, build the wheel, commit and tag
+	@git diff --quiet HEAD || { echo "There are changes that are not committed."; exit 1; }
+	$(BIN)/python docs/write_version.py "$(VERSION)"
+	$(MAKE) --no-print-directory test wheel
+	git commit --quiet --all --message "Version $(VERSION)" && git tag "v$(VERSION)"
 
 # Wine and QEMU run the libraries of Windows and of Linux on ARM; without them those tests skip.
 test-tools: browser

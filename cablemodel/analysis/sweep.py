@@ -562,15 +562,17 @@ def swept_columns(table: pandas.DataFrame) -> list[str]:
 
 def grid_of(table: pandas.DataFrame) -> xarray.Dataset:
     """The result of a sweep with the values swept over as dimensions; runs that are not finished
-    are NaN, and ``error`` says so.
+    are NaN, and ``error`` says so. The table may be one that pandas has read from a file.
 
     Raises:
         CableModelError: xarray is not installed.
     """
     require("xarray", extra="export", what="xarray")
-    grid: xarray.Dataset = (
-        table.astype({"error": object}).set_index(swept_columns(table)).to_xarray()
-    )
+    if "run" in table.columns:
+        table = table.set_index("run")
+    # Pandas reads the empty text of a file as none.
+    errors = table["error"].astype(object).where(table["error"].notna() | table["time"].isna(), "")
+    grid: xarray.Dataset = table.assign(error=errors).set_index(swept_columns(table)).to_xarray()
     grid["error"] = grid["error"].fillna("not finished").astype(str)
     return grid
 

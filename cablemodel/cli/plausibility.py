@@ -273,12 +273,18 @@ def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
     Of a uniform bar between winch and load: a = dv/dt of the upper end for a time T leaves a first
     wave of at most 4 m L a / pi^2. Beyond the k-th are 1 / k of that.
     """
+    end = scene.run.duration
+    changes = [
+        (before, after)
+        for before, after in pairwise(scene.payout.rate)
+        if after.rate != before.rate and after.t <= end
+    ]
+    load = scene.line[-1].body
+    if not changes or load is None or load.submerged_weight < 0.5 * tension:
+        return []
     from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
     from cablemodel.solvers.finite_element.kernels.time.waves import OVERTONES
 
-    load = scene.line[-1].body
-    if load is None or load.submerged_weight < 0.5 * tension:
-        return []
     cables = [(cable.length, scene.cable_types[cable.type]) for cable in scene.cables]
     mass = sum(length * kind.mass for length, kind in cables)
     softness = [(length, kind.strain_coefficients[0]) for length, kind in cables]
@@ -288,10 +294,8 @@ def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
         return []
     promised = 10.0 * scene.solver.tolerance * tension
     found = []
-    for before, after in pairwise(scene.payout.rate):
+    for before, after in changes:
         change, lasts = abs(after.rate - before.rate), after.t - before.t
-        if change == 0.0 or after.t > scene.run.duration:
-            continue
         wave = 4.0 / math.pi**2 * mass * change / lasts
         if wave > OVERTONES * promised:
             found.append(
@@ -351,10 +355,10 @@ def _end_of_the_drum(
     where: str, rows: tuple[RatePoint, ...], drum: tuple[LineItem, ...], end: float
 ) -> list[str]:
     """A pay-out until a time that asks for more than the drum holds. where: path of its winch."""
-    from scipy.interpolate import PPoly
-
     if all(row.rate <= 0.0 for row in rows):
         return []
+    from scipy.interpolate import PPoly
+
     cables = sum(item.cable.length for item in drum if item.cable is not None)
     bodies = sum(2.0 * item.body.half_length for item in drum if item.body is not None)
     held = cables + bodies

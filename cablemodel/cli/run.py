@@ -329,7 +329,9 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]  # fmt: skip
     rows.append(("largest curvature of the run", f"{summary['max_curvature']:.4g} 1/m"))
     if wall:
-        rows.append(("computing time", f"{wall:.3g} s ({end / wall:,.0f} × real time)"))
+        rows.append(
+            ("computing time, with outputs", f"{wall:.3g} s ({end / wall:,.0f} × real time)")
+        )
     for key in ("steps", "rejected", "factorisations", "elements"):
         if summary[key] is not None:
             name = "rejected steps" if key == "rejected" else key

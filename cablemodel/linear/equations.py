@@ -6,12 +6,13 @@ drives the nodes, and the inputs u, which are rates of levels:
     q = Z z + Q l,  v = Z z' + Z_v z + Q_v l,  a = Z z'' + Z_a z + Z_b z' + Q_a l + U u.
 
 Z_v and so on are there where bodies or clamps turn. With that, what the residual changes by is
-K q + C v + M a and what levels and inputs do beside; what is left over Z gives z''. As in Newton's
-matrix, cables feel the same current at another depth.
+K q + C v + M a and what levels and inputs do beside; what is left over Z gives z''. In Newton's
+matrix cables feel the same current at another depth: what they feel there is added.
 """
 
 from __future__ import annotations
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 
@@ -33,6 +34,8 @@ SIZE = 6
 """Unknowns of a node in space: place and slope."""
 LENGTH_STEP, RATE_STEP = 1e-5, 1e-4
 """Of central differences of the residual: of an element's length [1], of rates and speeds [SI]."""
+DEPTH_STEP = 1e-4
+"""The same, of heights [m], and of the slopes' [1]: tables of currents are of metres."""
 
 TOLD = 1e-2
 """Of a stiffness: rounded by more than that, it tells nothing of what it holds."""
@@ -69,8 +72,45 @@ class Equations(ABC):
 
     def _make_matrices(self) -> None:
         self.mass, self.damping, self.stiffness = (part.toarray() for part in matrices(self.block))
+        self._let_current_depend_on_depth()
         for winding in self.windings:
             self._let_matter_pass(winding)
+
+    def _let_current_depend_on_depth(self) -> None:
+        """Add to the stiffness what the current of another depth drags cables and bodies.
+
+        Only drag depends on it. By central differences, of what drag adds to the residual: tensions
+        would round them.
+        """
+        block, size = self.block, self.nodes * SIZE
+        if block.header.current_kind == 0 or block.header.depth_count < 2:
+            return
+        still = copy.deepcopy(block)
+        edges = still.array(Header.edges, self.nodes, at.EDGE_WORDS)
+        bodies = still.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS)
+        edges[:, at.Edge.drag_normal] = edges[:, at.Edge.drag_tangential] = 0.0
+        bodies[:, at.Body.drag] = bodies[:, at.Body.drag_axial] = 0.0
+        for body in range(int(block.header.free_count)):
+            free = at.FreeBody(still.reals, int(block.header.free_bodies) + body * at.FREE_WORDS)
+            free.drag[:] = free.turn_drag[:] = 0.0
+            free.foil_count = 0.0
+        known = self.stiffness - matrices(still)[2].toarray()
+        places = [part.array(Header.position, size) for part in (block, still)]
+
+        def drag(unknown: int, by: float) -> FloatArray:
+            found = []
+            for part, place in zip((block, still), places, strict=True):
+                kept = place[unknown]
+                place[unknown] += by
+                forces, rest = np.zeros(size), np.zeros(self.nodes * 2)
+                entry.residual(part.ints, part.reals, forces, rest)
+                place[unknown] = kept
+                found.append(forces)
+            return found[0] - found[1]
+
+        for unknown in range(2, size, 3):  # heights of places, and of slopes
+            change = (drag(unknown, DEPTH_STEP) - drag(unknown, -DEPTH_STEP)) / (2.0 * DEPTH_STEP)
+            self.stiffness[:, unknown] += change - known[:, unknown]
 
     @abstractmethod
     def _begin(self) -> None:

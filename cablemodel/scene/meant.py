@@ -56,12 +56,16 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "h": ("height",),
     "t": ("period",),
     "speed": (
-        "velocity: [x, y, z], or path: legs with speed and heading",
+        "path: legs with speed and heading, or velocity: [x, y, z]",
         "table: rows of z and velocity (a uniform current is one list [x, y, z])",
+        "velocity: [x, y, z]",
     ),
     "heading": ("path: legs with speed and heading",),
     "yaw": ("attitude",),
     "course": ("path: legs with speed and heading",),
+    "altitude": ("position",),
+    "latitude": ("position",),
+    "longitude": ("position",),
     "winches": ("payout (winches by name are of systems, which have lines)",),
     "raos": ("velocity: {file: ...} (raos are of systems, which have lines)",),
     "points": ("position (points by name are of systems, which have lines)",),
@@ -78,16 +82,25 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "enda": ("from",),
     "end": ("to", "duration"),
     "endb": ("to",),
+    "fairleads": ("points",),
+    "fairlead": ("point",),
     "buoys": ("bodies",),
     "linetypes": ("cable_types",),
 }
 """By the word in small letters and digits: keys, the first of which a place knows is meant; what
 follows a key tells how it is used."""
 
+_OF_ONE_LINE = {"bodies": "vessel", "cuts": "vessel", "winches": "vessel", "raos": "path"}
+"""Words of systems, and what a place in a scene of one line knows, where they may be meant: ends of
+lines have a key line, too."""
+
 
 def meant(word: str, known: list[str]) -> str:
     """The key, of those that a place knows, that such a word stands for elsewhere; else nothing."""
-    for key in _MEANT.get(re.sub(r"[\W_]", "", word.lower()), ()):
+    plain = re.sub(r"[\W_]", "", word.lower())
+    if _OF_ONE_LINE.get(plain, known[0] if known else "") not in known:
+        return ""
+    for key in _MEANT.get(plain, ()):
         if re.split(r"\W", key, maxsplit=1)[0] in known:
             return key
     return ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
+import math
 import re
 import types
 import typing
@@ -142,29 +142,65 @@ def _places(model: type[BaseModel], word: str, at: Location, depth: int = 0) -> 
 def suggestion(word: Any, words: list[str]) -> str:
     """A question whether one of the words was meant, where one is like it; else nothing."""
     given = str(word)
-    close = max(words, key=lambda known: _likeness(given, known), default="")
-    return f", did you mean {close}?" if _likeness(given, close) >= _ALIKE else ""
+    close = min(words, key=lambda known: _slips(given, known), default="")
+    return f", did you mean {close}?" if _slips(given, close) < math.inf else ""
 
 
-_ALIKE = 0.6
-"""Likeness from which on one word may be meant for another: difflib's own bound."""
+_LONG = 8
+"""Letters from which on a word may have two slips of the pen: in a shorter one they make another
+word, a time of a title."""
+_STEM = 4
+"""Letters of a word that may stand for all of it."""
+_ENDINGS = ("s", "d", "ed")
+"""Of the same word, as a plural or a participle."""
 
 
-def _likeness(given: str, known: str) -> float:
-    """How alike two keys are: as the part between underscores is that is least so.
+def _slips(given: str, known: str) -> float:
+    """Slips of the pen between two keys; infinite, if one is no slip for the other.
 
-    What they share elsewhere says nothing of what was meant: lift_coefficient is no slip of the pen
-    for drag_coefficient, though most of its letters are the same.
+    Each part between underscores has to be like: lift_coefficient is no slip for drag_coefficient,
+    though most of its letters are the same.
     """
     ours, theirs = (re.split(r"[_\W]", word.lower()) for word in (given, known))
     if "".join(ours) == "".join(theirs):
-        return 1.0  # but for what stands between the parts
+        return 0.0  # but for what stands between the parts
     if len(ours) != len(theirs):
-        return 0.0
+        return math.inf
     pairs = list(zip(ours, theirs, strict=True))
     # Beside longer parts, two letters (accuracy_of) are too few to mean something else.
     long = [pair for pair in pairs if len(pair[1]) > 2] or pairs
-    return min(difflib.SequenceMatcher(None, *pair).ratio() for pair in long)
+    return sum(_slips_of_a_word(*pair) for pair in long)
+
+
+def _slips_of_a_word(given: str, known: str) -> float:
+    """Letters left out, added, mistaken or swapped; infinite, if it is another word."""
+    if given == known:
+        return 0.0
+    if len(known) <= 2:
+        return math.inf
+    short, long = sorted((given, known), key=len)
+    same = long.startswith(short) and (short == given or long[len(short) :] in _ENDINGS)
+    if same and len(short) >= _STEM:
+        return 1.0
+    if given[-3:] == "ies" and given[:-3] + "y" == known:
+        return 1.0
+    most = 2 if len(known) >= _LONG else 1
+    slips = _edits(given, known)
+    return slips if slips <= most else math.inf
+
+
+def _edits(given: str, known: str) -> float:
+    """The least number of letters to leave out, add, replace, or swap with the next one."""
+    rows = [list(range(len(known) + 1))]
+    for i, ours in enumerate(given, start=1):
+        row = [i]
+        for j, theirs in enumerate(known, start=1):
+            least = min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (ours != theirs))
+            if i > 1 and j > 1 and ours == known[j - 2] and given[i - 2] == theirs:
+                least = min(least, rows[-2][j - 2] + 1)
+            row.append(least)
+        rows.append(row)
+    return float(rows[-1][-1])
 
 
 def _keys_at(root: type[BaseModel], location: Location) -> list[str]:

@@ -10,15 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, identity
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import spsolve
 
 from cablemodel.systems.motion import first_angles
 from cablemodel.systems.scene import LineEnd, SystemScene
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 FloatArray = NDArray[np.float64]
 
@@ -62,6 +63,9 @@ def _lowest(
     adrift: rows of what only moves together, which nothing holds from moving sideways: rounding
     divided by the damping would.
     """
+    from scipy.sparse import identity
+    from scipy.sparse.linalg import spsolve
+
     damping = force / length
     value, slope, matrix = energy(x)
     unit = identity(x.size, format="csc")
@@ -170,6 +174,9 @@ def first_guess(
     velocity: of the frame in which the start is at rest (3,) [m/s]; aside: by line, a way in which
     it is drawn (3,): slack that would hang doubled below itself opens into a bight.
     """
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.csgraph import connected_components
+
     count = 0
     bodies: dict[str, int] = {}
     for name in scene.bodies:

@@ -291,6 +291,18 @@ def test_a_table_is_a_grid(table: pandas.DataFrame) -> None:
     assert set(grid.sizes) == set(swept_columns(table))
 
 
+def test_a_table_that_pandas_has_read_is_the_same_grid(
+    table: pandas.DataFrame, tmp_path: Path
+) -> None:
+    path = tmp_path / "sweep.csv"
+    table.to_csv(path, index_label="run")
+    read, kept = cm.grid_of(pandas.read_csv(path)), cm.grid_of(table)
+    assert read.sizes == kept.sizes
+    assert (read["error"] == kept["error"]).all()
+    assert set(kept["error"].values.ravel()) == {"", "it broke", "not finished"}
+    xarray.testing.assert_allclose(read["time"], kept["time"])
+
+
 def test_short_runs_that_go_together_fail_by_themselves() -> None:
     """One that raises what nobody expects is a row; those beside it are what they are."""
 

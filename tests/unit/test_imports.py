@@ -22,6 +22,7 @@ HEAVY = [
     "typer",
     "rich",
     "scipy",
+    *(PARTS_OF_SCIPY := ("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse")),
     "pandas",
     "plotly",
     "cablemodel.solvers.library",
@@ -130,7 +131,7 @@ def loaded_after(statement: str) -> set[str]:
         check=True,
         cwd=PACKAGE.parent,
     )
-    return set(result.stdout.split())
+    return set(result.stdout.splitlines()[-1].split())
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:
@@ -155,6 +156,21 @@ def test_reading_runs_loads_no_solver(module: str) -> None:
 
 def test_the_command_line_loads_no_solver_before_it_needs_one() -> None:
     assert not {"numba", "cablemodel.solvers.library"} & loaded_after("import cablemodel.cli")
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_tow_is_checked_and_run_without_a_compiler_and_parts_of_scipy(
+    command: str, tmp_path: Path
+) -> None:
+    """They take longer to load than all else that a first run does. Pint loads its top alone."""
+    scene = str(tmp_path / "tow.yaml")
+    loaded = loaded_after(
+        "from cablemodel.cli.app import app\n"
+        f"app(['new', {scene!r}, '--tow'], standalone_mode=False)\n"
+        f"app([{command!r}, {scene!r}], standalone_mode=False)"
+    )
+    assert "cablemodel.solvers.library" in loaded
+    assert not {"numba", *PARTS_OF_SCIPY} & loaded
 
 
 def test_pint_loads_with_the_first_unit() -> None:

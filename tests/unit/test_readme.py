@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import cablemodel as cm
 from benchmarks.random_scenes import overview
 from benchmarks.sections import read_rows
 from cablemodel.cli import app
+from docs import write_version
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -107,6 +109,26 @@ def test_editors_find_the_schema_that_the_readme_writes() -> None:
     assert name == "cablemodel"
     assert json.loads(CliRunner().invoke(app, [argument]).stdout)["properties"]["line"]
     assert modeline == f"# yaml-language-server: $schema={target}"
+
+
+def test_a_release_writes_its_version_wherever_one_stands(tmp_path: Path) -> None:
+    assert (
+        len({version for found in write_version.versions(ROOT).values() for version in found}) == 1
+    )
+    for name in (*write_version.PLACES, "CHANGELOG.md"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    write_version.write(tmp_path, "12.3.4")
+    assert set(map(tuple, write_version.versions(tmp_path).values())) == {("12.3.4",)}
+    for name in write_version.PLACES:
+        before, after = ((root / name).read_text().splitlines() for root in (ROOT, tmp_path))
+        assert sum(a != b for a, b in zip(before, after, strict=True)) == 1
+    changes = (tmp_path / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(
+        r"^## Unreleased\n\n## 12\.3\.4 - \d{4}-\d\d-\d\d\n\n### ", changes, re.MULTILINE
+    )
+    with pytest.raises(SystemExit, match="three numbers"):
+        write_version.write(tmp_path, "1.0")
 
 
 def test_what_is_cited_is_what_is_installed() -> None:

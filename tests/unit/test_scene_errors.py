@@ -36,7 +36,7 @@ def refusal(data: Any, *overrides: str) -> cm.SceneError:
         ("environment.depth=50", "environment.depth", "did you mean floor: {z: -DEPTH}?"),
         ("run.dt=0.1", "run.dt", "did you mean output_interval (steps are chosen by the"),
         ("winch={}", "winch", "did you mean payout?"),
-        ("vessel.speed=5 kn", "vessel.speed", "did you mean velocity: [x, y, z], or path"),
+        ("vessel.speed=5 kn", "vessel.speed", "did you mean path: legs with speed and"),
         # keys at a wrong place
         ("line.0.length=5", "line.0.length", "it belongs in line.0.cable; allowed: cable, body"),
         ("floor={z: -5}", "floor", "unknown key, it belongs in environment; allowed: title"),

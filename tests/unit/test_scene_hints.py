@@ -7,12 +7,14 @@ from typing import Any
 import pytest
 
 from cablemodel.scene import scene_json_schema
+from cablemodel.scene.meant import meant
 from cablemodel.scene.problems import suggestion
+from cablemodel.systems import SystemScene
 
 
 def mappings() -> list[list[str]]:
-    """The keys of every mapping of the schema."""
-    schema = scene_json_schema()
+    """The keys of every mapping of a scene, of one line or of a system."""
+    schema = [scene_json_schema(), scene_json_schema(SystemScene)]
     found: list[list[str]] = []
 
     def look(part: Any) -> None:
@@ -73,11 +75,55 @@ OTHER_WORDS = [
     "EI_damping",
     "CdAx_lift",
     "yield_stress",
+    "material_density",
+    "pretension",
+    "strength",
+    "moment",
+    "rotation",
+    "twist",
+    "wavelength",
+    "description",
+    "location",
+    "iterations",
+    "integrator",
+    "penetration",
+    "scheme",
+    "force",
+    "camber",
 ]
-"""Of other programs, for what scenes do not have."""
+"""Of other programs and of the trade, for what scenes do not have, or have in other words."""
 
 
 @pytest.mark.parametrize("word", OTHER_WORDS)
 def test_a_word_for_something_else_is_told_no_key(word: str) -> None:
     told = {hint for keys in mappings() if (hint := suggestion(word, keys))}
     assert not told
+
+
+@pytest.mark.parametrize(
+    ("word", "key", "told"),
+    [
+        ("anchored", "anchor", True),
+        ("clamp", "clamped", True),
+        ("bodies", "body", True),
+        ("drag_coeff", "drag_coefficient", True),
+        ("tolarence", "tolerance", True),
+        ("time", "title", False),
+        ("sampling", "damping", False),
+        ("position", "friction", False),
+    ],
+)
+def test_forms_of_a_word_are_that_word_and_what_rhymes_is_not(
+    word: str, key: str, told: bool
+) -> None:
+    assert suggestion(word, ["mass", key]) == (f", did you mean {key}?" if told else "")
+
+
+def test_words_of_systems_are_told_where_one_line_has_another_way() -> None:
+    one = scene_json_schema()["properties"]
+    end = scene_json_schema(SystemScene)["$defs"]["LineEnd"]["properties"]
+    assert "line" in one
+    assert "line" in end
+    for word in ("bodies", "cuts"):
+        assert meant(word, list(one)).startswith("line")
+        assert meant(word, list(end)) == ""

@@ -63,8 +63,22 @@ def clamped_and_reeled_in():
     return clamped(-0.1)
 
 
+SHEARED = (
+    "environment.current={table: [{z: -250, velocity: [0.2, 0.3, 0]}, "
+    "{z: 0, velocity: [-0.8, 0, 0]}]}"
+)
+"""A current that fades and turns with depth."""
+
+
+def in_sheared_current():
+    model = cm.CableModel(cm.load_scene(TOW, [SHEARED, "solver.tolerance=1e-3"]))
+    model.step(3.0, vessel_velocity=(2.2, 0.4, 0.1))
+    return model
+
+
 @pytest.mark.parametrize(
-    "make", [turning, paying_out, with_bodies_between, clamped, clamped_and_reeled_in]
+    "make",
+    [turning, paying_out, with_bodies_between, clamped, clamped_and_reeled_in, in_sheared_current],
 )
 def test_matrices_are_the_derivatives_of_the_residual(make):
     """A body of finite length and a running winch too."""
@@ -173,6 +187,18 @@ def test_gains_are_differences_of_static_solutions():
         assert found == pytest.approx(wanted, rel=2e-3, abs=2e-4 * np.abs(wanted).max())
     reduced = linear.reduced(8)
     assert reduced.gains() == pytest.approx(gains, rel=1e-6, abs=1e-6 * np.abs(gains).max())
+
+
+def test_gains_in_a_current_that_changes_with_depth_are_differences_of_static_solutions():
+    """Deeper, a cable feels another current: without that, gains are a tenth off here."""
+    linear = static([SHEARED]).linearise()
+    speed, step = 4.0 * 1852.0 / 3600.0, 0.01
+    names = ["tip_position.x", "tip_position.y", "tip_position.z", "top_tension"]
+    ends = [static([SHEARED, f"vessel.velocity=[{speed + s * step}, 0, 0]"]) for s in (1, -1)]
+    wanted = (outputs_of(ends[0], names) - outputs_of(ends[1], names)) / (2.0 * step)
+    rows = [linear.outputs.index(name) for name in names]
+    found = linear.gains()[rows, linear.levels.index("vessel_velocity.x")]
+    assert found == pytest.approx(wanted, rel=2e-3, abs=2e-4 * np.abs(wanted).max())
 
 
 def steps(model, dt, count, inputs):

@@ -493,6 +493,24 @@ def test_gains_of_a_towed_depressor_are_differences_of_steady_tows() -> None:
     assert slow == pytest.approx(whole, rel=1e-2, abs=1e-3 * np.abs(whole).max())
 
 
+def test_gains_in_a_current_that_changes_with_depth_are_differences_of_steady_tows() -> None:
+    """Of the depressor and its wing, too."""
+    sheared = "environment.current={table: [{z: -150, velocity: [0, 0, 0]}, " + (
+        "{z: 0, velocity: [-0.8, 0, 0]}]}"
+    )
+
+    def tow(overrides: list[str]) -> SystemModel:
+        return SystemModel(load_system(DEPRESSOR, ["solver.tolerance=1e-5", sheared, *overrides]))
+
+    names = ["depressor.position.x", "depressor.position.z", "wire.start_tension"]
+    linear = tow([]).linearise()
+    rows = [linear.outputs.index(name) for name in names]
+    found = linear.gains()[rows, linear.levels.index("ship.velocity.x")]
+    wanted = differences(tow, "vessels.ship.velocity", lambda by: [3.0 + by, 0.0, 0.0], 0.01, names)
+    for part in (slice(0, 2), slice(2, 3)):
+        assert found[part] == pytest.approx(wanted[part], abs=5e-3 * np.abs(wanted[part]).max())
+
+
 def test_a_line_written_as_a_system_has_the_same_transfer_functions() -> None:
     cable = {**IDEAL, "diameter": 0.02, "mass": 1.2, "axial_stiffness": 5e6, "drag_normal": 1.2}
     cable |= {"added_mass": 1.0}
