@@ -47,6 +47,8 @@ WORDS = {
     ),
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
+    "solvers/finite_element/kernels/mesh/lengths.py": "SPRING_FIRST SPRING_LAST",
+    "solvers/finite_element/kernels/time/begin.py": "BENDS",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",
     "solvers/finite_element/kernels/water/sea_cells.py": "OVER",
     "solvers/finite_element/kernels/time/esdirk.py": "LANDED",

@@ -16,7 +16,6 @@ from cablemodel.solvers.direct import block as direct_block
 from cablemodel.solvers.direct import failures as direct_failures
 from cablemodel.solvers.direct.kernels import layout as direct_layout
 from cablemodel.solvers.finite_element import block, failures
-from cablemodel.solvers.finite_element.kernels.element import tables
 from cablemodel.solvers.shared import layout
 from cablemodel.solvers.shared.record import Record, c_struct, records
 
@@ -81,22 +80,11 @@ def start_constants() -> dict[str, float]:
     from cablemodel.solvers.finite_element.start import continuation as continuation
     from cablemodel.solvers.finite_element.start import (
         firm_friction,
-        line_tables,
         refinement,
         scales,
-        winch,
     )
-    from cablemodel.systems import model
-    from cablemodel_fmu import signals
 
     return {
-        "STABILISATION": tables.STABILISATION,
-        "SHORTEST_LINE": winch.SHORTEST_LINE,
-        "SHORTEST_PIECE": winch.SHORTEST_PIECE,
-        "FIRST_PIECE": winch.WINCH_FIRST_PIECE,
-        "LEAST_PIECE": winch.LEAST_PIECE,
-        "RIGID": tables.ELEMENT_RIGID,
-        "SOFTEST": line_tables.TABLE_SOFTEST,
         "BENT": refinement.REFINEMENT_BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
         "LARGE_STRAIN": scales.LARGE_STRAIN,
@@ -106,8 +94,6 @@ def start_constants() -> dict[str, float]:
         "FEW_STEPS": continuation.FEW_STEPS,
         "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
         "DRAWINGS": firm_friction.DRAWINGS,
-        "DRUM_ROOM": signals.ROOM,
-        "SAME_PLACE": model.SAME_PLACE,
         "AHEAD": interface.RATE_AHEAD,
     }
 

@@ -7,10 +7,13 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cablemodel.scene.schema import longest_stretch
 from cablemodel.solvers.direct.block import DirectBlock
 from cablemodel.solvers.direct.kernels import layout as direct
-from cablemodel.solvers.finite_element.start.scales import tension_per_length
+from cablemodel.solvers.finite_element.start.winch import lengths_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parameter
@@ -18,7 +21,7 @@ from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parame
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
-    from cablemodel.scene.line import Body
+    from cablemodel.scene.line import Body, Cable
     from cablemodel.solvers.finite_element.block import Block
     from cablemodel.systems.scene import SystemScene
 
@@ -399,13 +402,9 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
     cablemodel/solvers/finite_element/start/winch.py.
     """
     found: list[Coefficient] = []
-    drum = scene.drum_cables
-    rows = [*range(len(scene.cables) - 1, -1, -1), *_drum_rows(scene)]
-    tensions = [*tension_per_length(scene), *(0.0 for _ in drum)]
     settable = is_settable(scene)
-    for n, (cable, row, tension) in enumerate(
-        zip([*scene.cables, *drum], rows, tensions, strict=True)
-    ):
+    rows = lengths_of(scene).reshape(-1, at.LENGTH_WORDS)
+    for n, (cable, row) in enumerate(zip((*scene.cables, *scene.drum_cables), rows, strict=True)):
         inboard = n >= len(scene.cables)
         entry = parameter("drum.cable[n].length" if inboard else "line.cable[n].length")
         number = n + 1 - (len(scene.cables) if inboard else 0)
@@ -421,28 +420,20 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
             cable.length * (SHORTEST if settable else 1.0),
             cable.length * (LONGEST if settable else 1.0),
         )
-        kind = OF_DRUM if inboard else OF_LINE
-        reach = 0.0 if inboard else longest_stretch(scene.cable_types[cable.type])
-        found.append(Coefficient(signal, kind, 0, row, tension, reach))
+        found.append(length_of(scene, cable, signal, row))
     return found
 
 
-def _drum_rows(scene: Scene) -> list[int]:
-    """Rows of the cable table of the drum's cables: one like the line's top cable shares its."""
-    rows = []
-    row = len(scene.cables) - 1
-    top = scene.cables[0]
-    body = scene.line[0].cable is None
-    for item in scene.payout.drum:
-        if item.cable is None:
-            body = True
-            continue
-        if body or (top.type, top.model) != (item.cable.type, item.cable.model):
-            row += 1
-            top = item.cable
-        rows.append(row)
-        body = False
-    return rows
+def length_of(
+    scene: CableScene, cable: Cable, signal: Signal, row: NDArray[np.float64]
+) -> Coefficient:
+    """What the FMU knows of a cable's length; row: its CableLength."""
+    of = at.CableLength
+    index, tension = int(row[of.row]), float(row[of.tension])
+    if row[of.winch] < 0.0:
+        stretch = longest_stretch(scene.cable_types[cable.type])
+        return Coefficient(signal, OF_LINE, 0, index, tension, stretch)
+    return Coefficient(signal, OF_DRUM, int(row[of.winch]), index, tension, float(row[of.counted]))
 
 
 def is_settable(scene: Scene) -> bool:

@@ -780,14 +780,38 @@ class Layer(Record):
     _spare = spare(9)
 
 
-class LineFacts(Record):
-    """What a line is like as a whole, for scales.measure_line."""
+class CableLength(Record):
+    """A cable of a line, or on a drum, and the length that it gets before a start: lengths.py.
 
-    length = real("of its cables", "m")
-    damping = real("rho Cdn d L / m")
-    softness = real("of the whole line", "m/N")
+    Rows are in the order of each line's cables, from its beginning; then as they leave each drum.
+    """
+
+    row = real("of it in the cable table")
+    line = real("number of its line")
+    winch = real("number of the winch on whose drum it is; -1: it is out")
+    first = real("its length in the scene", "m")
+    before = real("its length so far", "m")
+    length = real("its length from now on", "m")
+    softness = real("c_1 of its strain curve", "1/N")
+    mass = real("in air", "kg/m")
+    drag = real("rho Cdn d", "kg/m2")
+    tension = real("what it adds to a typical tension", "N/m")
+    counted = real("1: the scene counts its elements")
+
+
+LENGTH_WORDS = CableLength.WORDS
+
+
+class LineFacts(Record):
+    """What a line is like as a whole, or the lines of a system, for scales.measure_line."""
+
+    length = real("of its cables; of a system of the longest line", "m")
+    shortest = real("the same of the shortest line", "m")
+    damping = real("rho Cdn d L / m, of the line where it is least")
+    softness = real("of the whole line, of the softest one", "m/N")
     mass = real("of cables and bodies, in air", "kg")
     tension = real("a typical one", "N")
+    memory = real("how many times as long as a cable's motion that of a body goes on")
     slack = real("1: it starts without tension")
     calm = real("1: its end is free, there is no floor, no cable runs")
     follows = real("1: its mesh may change: the scene gives no numbers of elements")
@@ -874,6 +898,18 @@ class StepInputs(Record):
 
 
 INPUT_WORDS = StepInputs.WORDS
+
+
+class StartMove(Record):
+    """Where a tow point begins that is not where the scene has it: resizing.move_start."""
+
+    way = reals(3, "from where the scene has it", "m")
+    position = reals(3, "where it begins, earth frame", "m")
+    velocity = reals(3, "how fast", "m/s")
+    driven = real("1: it goes on at that velocity")
+
+
+START_MOVE_WORDS = StartMove.WORDS
 
 
 class MotionChange(Record):

@@ -132,6 +132,8 @@ typedef struct Cable {
     int64_t *I;    /* the block, as integers and as reals */
     double *M;
     const Parameter *parameters;
+    double *lengths; /* CableLength of each parameter that is one: lengths_between */
+    int64_t length_words;
     double *values; /* of the parameters, then what a system's inputs and starts are */
     int64_t value_words;
     System *system;
@@ -176,7 +178,20 @@ int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, doub
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_count_growing(void *block, int64_t words, double rate);
 int64_t cablemodel_count_swinging(void *block, int64_t words, double rate, double *work, int64_t n);
-int64_t cablemodel_measure(void *block, int64_t words, double *facts, int64_t n);
+int64_t cablemodel_measure(void *block, int64_t words, double *lengths, int64_t n, double *facts, int64_t m);
+int64_t cablemodel_forget_stabilisation(void *block, int64_t words);
+int64_t cablemodel_move_start(void *block, int64_t words, double *move, int64_t n);
+int64_t cablemodel_resize_line(void *block, int64_t words, double *lengths, int64_t n, double *facts, int64_t m,
+                               double *move, int64_t k);
+int64_t cablemodel_resize_lines(void *block, int64_t words, double *lengths, int64_t n, double *places, int64_t m,
+                                double *grown, int64_t k);
+int64_t cablemodel_worst_of_shape(void *block, int64_t words, double *out, int64_t n);
+int64_t cablemodel_ends_apart(void *block, int64_t words, double *out, int64_t n);
+int64_t cablemodel_hold_supports(void *block, int64_t words);
+int64_t cablemodel_rest_here(void *block, int64_t words);
+int64_t cablemodel_count_from_zero(void *block, int64_t words);
+int64_t cablemodel_restore_bending(void *block, int64_t words);
+int64_t cablemodel_stop_flow(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
 int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,
                          double *forces, int64_t m, double *angles, int64_t k, double *rates, int64_t r,
@@ -315,27 +330,24 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
                         double response[]);
 
 /* lengths.c */
-double length_at(const Cable *cable, int64_t n, double share);
 int lengths_changed(const Cable *cable);
+double *lengths_between(const Cable *cable, double from, double to);
+int64_t line_out_of_reach(Cable *cable, double *length, double *apart);
 const Parameter *first_changed(const Cable *cable);
 int differs(const double *a, const double *b);
-void forget_stabilisation(Cable *cable);
-void restore_bending(Cable *cable);
-void rest_here(Cable *cable);
-void count_from_zero(Cable *cable);
-double *bends_of(const Cable *cable);
-double most_bent(const Cable *cable);
-double most_stretched(const Cable *cable);
-void judge_shape(Cable *cable, double bent, double stretched);
+void frame_of_rest(const Cable *cable, double frame[3]);
+const char *settle_line(Cable *cable);
+
+/* start.c */
+typedef struct { /* the most that an element bends, in what it can follow, and stretches */
+    double bent, stretched;
+} Shape;
+Shape shape_of(const Cable *cable);
+void judge_shape(Cable *cable, const Shape *before);
 int64_t *copy_of_image(const Cable *cable);
 void give_back(Cable *cable, const int64_t *image);
 const char *judge_growth(Cable *cable, const char *changed);
 const char *settle_cable(Cable *cable);
-
-/* system_lengths.c */
-void resize_lines(Cable *cable, double from, double to, const double *places, double *grown);
-void measure_lines(Cable *cable);
-const char *check_lengths(Cable *cable);
 
 /* system_start.c */
 const char *settle_system(Cable *cable);
