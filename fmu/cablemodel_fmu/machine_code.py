@@ -47,6 +47,7 @@ RARE_ENTRIES = (
     "lengths_of_bristles",
     "measure",
     "measure_bends",
+    "motion_matrices",
     "move_start",
     "parts",
     "resize_line",

@@ -98,8 +98,8 @@ part_motion_at = record_at(PartMotion)
 
 @inlined
 def spare_row(I, row):
-    """Where words for the nodes begin, `capacity` of them, in the memory of the stages' velocities,
-    which is free before a step. Who uses such rows names them, from 0 on: below SPARE_ROWS."""
+    """Where words for the nodes begin, `capacity` of them, in the memory of a step's stages, which
+    is free where none is under way. Users and their rows are declared in layout.py."""
     head = header(I)
     return head.stage_velocity + row * head.capacity
 

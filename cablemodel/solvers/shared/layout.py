@@ -16,7 +16,8 @@ FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
 
 
-SPARE_ROWS = 24  # of one word for each node, in the stages' velocities: access.spare_row
+STAGE_ROWS = 24  # of one word for each node: four stages' velocities, or their accelerations
+SPARE_ROWS = 2 * STAGE_ROWS  # both, one behind the other: access.spare_row
 
 
 class Header(Record):
@@ -952,6 +953,67 @@ class PartMotion(Record):
 
 
 PART_WORDS = PartMotion.WORDS
+
+# Users of the spare rows, with the rows that they name: each has its own while it is at work.
+
+
+class SearchRows(Record):
+    """Of a search for an equilibrium, behind those of a look at mesh and limp cable: statics.py."""
+
+    _spare = spare(STAGE_ROWS)
+    places = reals(6, "where it began: places and slopes", "m")
+    tensions = reals(2, "with which it began", "N")
+    bore = real("what the floor bore for long, before it followed the load")
+
+
+class BeginRows(Record):
+    """Of what a run begins with: begin.py."""
+
+    bent = real("by how much each element bends")
+    accelerations = reals(6, "that supports leave as they are", "m/s2")
+
+
+class LimpRows(Record):
+    """Of a look at what is limp: limp.py."""
+
+    hung = real("what holds up what hangs there", "N")
+    below = real("the same, from below", "N")
+    above = real("from above", "N")
+    held = real("where it is held")
+
+
+class MeshRows(Record):
+    """Of a look at the mesh: touchdown_mesh.py, bending_mesh.py."""
+
+    gaps = real("over the floor", "m")
+    behind = real("what lies behind")
+    jumps = real("of r''", "1/m")
+    wanted = real("length of elements that is wanted", "m")
+    promised = real("the same as far as others let it be", "m")
+    spare = real("what may be joined")
+    ways = real("along the floor", "m")
+
+
+class FilterRows(Record):
+    """Of what a step's matrix leaves of an error: tension.py, as a step's error is found."""
+
+    left = reals(2, "what is left in tensions", "N")
+    _spare = spare(STAGE_ROWS - 2)
+    accelerations = reals(6, "of the motion that is filtered", "m/s2")
+
+
+class SolvedRows(Record):
+    """Of tensions that are solved for, at the end of a step: tension.py."""
+
+    places = reals(6, "of the state that is solved for", "m")
+    velocities = reals(6, "of it", "m/s")
+    accelerations = reals(6, "of it", "m/s2")
+    tensions = reals(6, "of it, two of each element", "N")
+    rates = reals(6, "of those", "N/s")
+    curved = reals(6, "what curvature takes of a rate of stretch")
+    strained = reals(6, "rates of strain")
+    softness = reals(6, "compliances that are set aside, and sums along the line")
+
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

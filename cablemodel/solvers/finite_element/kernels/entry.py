@@ -33,7 +33,7 @@ from cablemodel.solvers.finite_element.kernels.time import (
 )
 from cablemodel.solvers.shared import environment
 from cablemodel.solvers.shared.access import header, scalars
-from cablemodel.solvers.shared.compile import INTEGERS, REALS, entry_point
+from cablemodel.solvers.shared.compile import INTEGERS, REALS, entry_point, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     NOTHING,
@@ -195,6 +195,16 @@ def count_swinging(I, M, rate, work):
     if len(work) < swinging.work_words(I):
         return swinging.work_words(I)
     return swinging.count_swinging(I, M, rate, work)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def motion_matrices(I, M, out):
+    """Stiffness, damping and mass: swinging.find_matrices. Uses the matrix up."""
+    words = swinging.matrix_words(I)
+    swinging.find_matrices(
+        I, M, view(out, 0, words), view(out, words, words), view(out, 2 * words, words)
+    )
+    return words
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
@@ -402,6 +412,7 @@ ENTRY_POINTS = {
     "stop_flow": stop_flow,
     "count_growing": count_growing,
     "count_swinging": count_swinging,
+    "motion_matrices": motion_matrices,
     "measure": measure,
     "arrange": arrange,
     "forget_stabilisation": forget_stabilisation,

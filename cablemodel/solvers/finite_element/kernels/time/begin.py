@@ -15,9 +15,9 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
-from cablemodel.solvers.shared.layout import JOINT_NONE
+from cablemodel.solvers.shared.layout import JOINT_NONE, BeginRows
 
-BENDS = 0  # of the spare rows
+ROW_BENT, ROW_ACCELERATIONS = BeginRows.bent.word, BeginRows.accelerations.word
 
 
 @kernel
@@ -43,9 +43,10 @@ def hold_supports(I, M):
     force at a top would hold the inertia of a piece as long as the mesh makes it."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
-    copy_words(I, head.increment, head.acceleration, count)
+    kept = spare_row(I, ROW_ACCELERATIONS)
+    copy_words(I, kept, head.acceleration, count)
     place_supports(I, M)
-    copy_words(I, head.acceleration, head.increment, count)
+    copy_words(I, head.acceleration, kept, count)
 
 
 @kernel
@@ -112,7 +113,7 @@ def worst_of_shape(I, M, out):
     """The most of that, and the largest strain of an element, by the chord between its nodes."""
     head = header(I)
     size = 2 * head.dimension
-    bent = view(M, spare_row(I, BENDS), head.nodes)
+    bent = view(M, spare_row(I, ROW_BENT), head.nodes)
     bends(I, M, bent)
     out[0] = 0.0
     out[1] = 0.0
