@@ -18,6 +18,7 @@ from cablemodel.solvers.direct.kernels import layout as direct_layout
 from cablemodel.solvers.finite_element import block, failures
 from cablemodel.solvers.shared import layout
 from cablemodel.solvers.shared.record import Record, c_struct, records
+from cablemodel_fmu import shared_numbers
 
 ACCESS = (
     "/* The word of a record at which a field starts. */",
@@ -131,6 +132,8 @@ def header(kernel_hash: str) -> str:
     for record in [*records(layout), *records(direct_layout)]:
         lines += [_struct(record), _same_size(record)]
     lines += list(ACCESS)
+    for name, value in constants(shared_numbers).items():
+        lines.append(f"#define {name} {value if abs(value) < 1 << 31 else f'INT64_C({value})'}")
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")

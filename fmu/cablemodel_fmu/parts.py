@@ -30,12 +30,18 @@ from cablemodel.variables import (
     outputs_of,
 )
 from cablemodel_fmu.model_file import name_words
+from cablemodel_fmu.shared_numbers import (
+    OF_FREE,
+    VR_PARAMETER,
+    VR_SYSTEM_CHOICE,
+    VR_SYSTEM_INPUT,
+    VR_SYSTEM_OUTPUT,
+    VR_SYSTEM_START,
+)
 from cablemodel_fmu.signals import (
     LARGEST,
     LONGEST,
-    OF_FREE,
     SHORTEST,
-    VR_PARAMETER,
     Coefficient,
     Coefficients,
     Signal,
@@ -43,11 +49,6 @@ from cablemodel_fmu.signals import (
     controls,
     length_of,
 )
-
-VR_INPUT = 100000000
-VR_CHOICE = 200000000
-VR_OUTPUT = 300000000
-VR_START = 400000000
 
 _FORCE = 1e15
 _ALLOWED = {**LARGEST, "rad": 1e4, "rad/s": 1e3, "N": _FORCE, "N.m": _FORCE, "": 1e9}
@@ -77,8 +78,9 @@ def choices(scene: SystemScene, by: int) -> list[Signal]:
     """Of each vessel or driven end: which inputs move it."""
     return [
         Signal(
-            VESSEL_CHOICE.fmu.replace("NAME", name), VR_CHOICE + n, "Enumeration", "parameter",
-            "fixed", "", f"{name}: {VESSEL_CHOICE.quantity}", float(by), type="VesselInput",
+            VESSEL_CHOICE.fmu.replace("NAME", name), VR_SYSTEM_CHOICE + n, "Enumeration",
+            "parameter", "fixed", "", f"{name}: {VESSEL_CHOICE.quantity}", float(by),
+            type="VesselInput",
         )
         for n, name in enumerate(scene.vessels)
     ]  # fmt: skip
@@ -102,7 +104,7 @@ def starts(scene: SystemScene) -> list[Signal]:
                 found.append(
                     Signal(
                         row.fmu.replace("NAME", name).replace("[i]", f"[{i}]"),
-                        VR_START + len(found),
+                        VR_SYSTEM_START + len(found),
                         "Real",
                         "parameter",
                         "fixed",
@@ -192,7 +194,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
             found.append(
                 Signal(
                     row.fmu.replace("NAME", part).replace("[i]", f"[{i}]"),
-                    VR_INPUT + len(found),
+                    VR_SYSTEM_INPUT + len(found),
                     "Real",
                     "input",
                     "discrete" if command else "continuous",
@@ -238,7 +240,15 @@ def outputs(scene: SystemScene, stations: int) -> list[Signal]:
         names = list(row.fmu_names(stations=stations))
         for name, words in zip(names, _descriptions(row, stations, len(names)), strict=True):
             found.append(
-                Signal(name, VR_OUTPUT + len(found), "Real", "output", variability, row.unit, words)
+                Signal(
+                    name,
+                    VR_SYSTEM_OUTPUT + len(found),
+                    "Real",
+                    "output",
+                    variability,
+                    row.unit,
+                    words,
+                )
             )
     return found
 

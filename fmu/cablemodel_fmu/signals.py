@@ -17,6 +17,20 @@ from cablemodel.solvers.finite_element.start.winch import lengths_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parameter
+from cablemodel_fmu.shared_numbers import (
+    OF_BODY,
+    OF_CABLES,
+    OF_DRUM,
+    OF_LINE,
+    VR_BODY,
+    VR_ERROR,
+    VR_PARAMETER,
+    VR_START,
+    VR_STATION,
+    VR_SUMMARY,
+    VR_USE_SCENE_INPUTS,
+    VR_VELOCITY,
+)
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -26,16 +40,6 @@ if TYPE_CHECKING:
     from cablemodel.systems.scene import SystemScene
 
     AnyBlock = Block | DirectBlock
-
-VR_INPUT = 0
-VR_CONTROL = 10
-VR_START = 20
-VR_PARAMETER = 100
-VR_ZERO = 900
-VR_ERROR = 950
-VR_SUMMARY = 1000
-VR_STATION = 10000
-VR_BODY = 20000000
 
 # First word of a quantity: of the Summary of shared/layout.py, or of a row of the stations.
 _SUMMARY = {name: field.word for name, field in at.Summary.FIELDS.items()} | {
@@ -54,10 +58,6 @@ _BODY = {
     "bodies.position": at.Station.position.word,
     "bodies.direction": at.Station.tangent.word,
 }
-
-# A coefficient of a cable type, of a body in a line or of a free body; the length of a cable of the
-# line or on the drum.
-OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM = range(5)
 
 LARGEST = {"m": 1e7, "m/s": 1e3}
 """Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
@@ -139,7 +139,7 @@ def inputs(starts: list[float]) -> list[Signal]:
     for item in INPUTS:
         names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
         for number, name in enumerate(names):
-            reference = VR_INPUT + len(signals)
+            reference = VR_VELOCITY + len(signals)
             axis = f", {_AXES[number]}" if item.shape else ""
             signals.append(
                 Signal(
@@ -263,10 +263,10 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
 
 
 def controls(scene_inputs: bool, vessel_input: int, timing: int) -> list[Signal]:
-    """What decides who drives, and how: references from VR_CONTROL on."""
+    """What decides who drives, and how: references from VR_USE_SCENE_INPUTS on."""
     return [
         Signal(
-            row.fmu, VR_CONTROL + n, kind, "parameter", "fixed", "", row.quantity, start,
+            row.fmu, VR_USE_SCENE_INPUTS + n, kind, "parameter", "fixed", "", row.quantity, start,
             type=name,
         )
         for n, (row, kind, start, name) in enumerate(
