@@ -47,14 +47,17 @@ WORDS = {
     ),
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
+    "solvers/finite_element/kernels/mesh/lengths.py": "SPRING_FIRST SPRING_LAST",
+    "solvers/finite_element/kernels/time/begin.py": "ROW_BENT ROW_ACCELERATIONS",
+    "solvers/finite_element/kernels/time/statics.py": "ROW_PLACES ROW_TENSIONS ROW_BORE",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",
     "solvers/finite_element/kernels/water/sea_cells.py": "OVER",
     "solvers/finite_element/kernels/time/esdirk.py": "LANDED",
     "solvers/finite_element/kernels/time/time_stepping.py": "MADE TOO_LONG TOUCHES STIRS BREAKS",
     "solvers/finite_element/kernels/element/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
     "solvers/finite_element/kernels/time/tension.py": (
-        "PASSES_OVER FOLLOWS SOLVED MISSES SOLVED_Q SOLVED_V SOLVED_A SOLVED_T SOLVED_RATE "
-        "CURVED STRAINED SOFTNESS"
+        "PASSES_OVER FOLLOWS SOLVED MISSES ROW_LEFT ROW_MOTION SOLVED_Q SOLVED_V SOLVED_A SOLVED_T "
+        "SOLVED_RATE CURVED STRAINED SOFTNESS"
     ),
     "solvers/finite_element/linearisation.py": "SHARES_PLACE TIED",
     "solvers/finite_element/kernels/mesh/top_element.py": (

@@ -226,7 +226,7 @@ def _tables(scene: Scene) -> tuple[FloatArray, FloatArray]:
     kinds = list(scene.cable_types)
     for item, piece in enumerate(items):
         if piece.cable is not None:
-            row = edge_row(scene, piece.cable, 0, 0, 1.0)
+            row = edge_row(scene, piece.cable, 0, 0)
             for name in OF_EDGES:
                 place = getattr(at.Edge, name)
                 edges[kinds.index(piece.cable.type), place] = row[place]

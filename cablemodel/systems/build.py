@@ -272,9 +272,7 @@ def _come_to_rest(scene: SystemScene, built: Built, velocity: FloatArray) -> Non
         if attempt or not entry.stabilise(ints, reals):
             break
     state.friction = friction
-    acceleration = block.array(Header.acceleration, built.nodes, 6).copy()
-    entry.place_supports(ints, reals)
-    block.array(Header.acceleration, built.nodes, 6)[:] = acceleration
+    hold_supports(block)
     sea_floor.rest_where_it_is(block)
     rest_feet(scene, built)
     count_from_zero(block)

@@ -75,6 +75,10 @@ def start_of(scene: SystemScene, name: str) -> Start:
     return Start(slack=False, damping=drag * line.length / mass, free_end=free)
 
 
+FOR_EVER = 1e30
+"""How many times as long a motion goes on that nothing slows down."""
+
+
 def memory_of_bodies(scene: SystemScene) -> float:
     """How many times as long as of a cable the motion of a body goes on, at least 1: by the drag
     area over the mass, of the body that drag slows down least."""
@@ -91,7 +95,7 @@ def memory_of_bodies(scene: SystemScene) -> float:
     slowest = min(bodies, default=cable)
     if cable <= slowest:
         return 1.0
-    return cable / slowest if slowest > 0.0 else math.inf
+    return cable / slowest if slowest > 0.0 else FOR_EVER
 
 
 def tension_scale(scene: SystemScene) -> float:

@@ -95,8 +95,7 @@ def refined(
     split: dict[str, set[float]] = {}
     for k in range(len(found.node)):
         segment = tree.segments[found.segment[k]]
-        allowed = REFINEMENT_BENT * scene.solver.tolerance * scene.lines[segment.line].length
-        if indicator[k] > allowed and segment.cable.elements is None:
+        if indicator[k] > REFINEMENT_BENT and segment.cable.elements is None:
             split.setdefault(segment.line, set()).add(float(found.start[k] + 0.5 * found.length[k]))
     if not split or built.nodes > LARGEST_STATIC_MESH:
         return None

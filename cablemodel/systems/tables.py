@@ -20,9 +20,8 @@ from cablemodel.solvers.finite_element.start.sea_floor import table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
 from cablemodel.solvers.finite_element.start.winch import (
     JOINT_SPARE_NODES,
-    SHORTEST_LINE,
-    SHORTEST_PIECE,
     WINCH_SPARE_NODES,
+    fill_length,
 )
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
@@ -32,7 +31,6 @@ from cablemodel.systems.lines import (
     bends_at,
     memory_of_bodies,
     mesh_may_change,
-    start_of,
     tension_scale,
 )
 from cablemodel.systems.motion import turning
@@ -101,6 +99,8 @@ def filled(
 
     before: on coarser nodes, whose bodies it has; settings: the scene whose scales it has.
     """
+    from cablemodel.solvers import library as entry
+
     built = allocated(scene, tree)
     block = built.block
     fill_settings_of(settings, built)
@@ -111,41 +111,67 @@ def filled(
     fill_closures(scene, built)
     fill_cuts(scene, built)
     fill_winches(scene, built)
+    entry.arrange(block.ints, block.reals, lengths_of(scene, tree))
     fill_feet(scene, built)
     fill_waves(scene, block)
     return built
 
 
 def facts_of_system(scene: SystemScene) -> FloatArray:
-    """What `kernels/element/scales.py` wants to know of the lines, the words of LineFacts."""
-    softest, mass = 0.0, math.fsum(body.mass for body in scene.bodies.values())
-    for line in scene.lines.values():
-        softness = 0.0
-        for item in line.items:
-            if item.cable is not None:
-                kind = scene.cable_types[item.cable.type]
-                softness += kind.strain_coefficients[0] * item.cable.length
-                mass += kind.mass * item.cable.length
-            elif item.body is not None:
-                mass += item.body.mass
-        softest = max(softest, softness)
+    """What `kernels/mesh/lengths.py` wants to know of the lines besides their lengths, the words of
+    LineFacts."""
+    mass = math.fsum(body.mass for body in scene.bodies.values())
+    items = [item for line in scene.lines.values() for item in line.items]
+    for item in items:
+        if item.cable is not None:
+            mass += scene.cable_types[item.cable.type].mass * item.cable.length
+        elif item.body is not None:
+            mass += item.body.mass
     words = np.zeros(at.FACT_WORDS)
     facts = at.LineFacts(words, 0)
-    facts.length = scene.line_length
-    facts.damping = min(start_of(scene, name).damping for name in scene.lines)
-    facts.softness = softest
     facts.mass = mass
     facts.tension = tension_scale(scene)
+    facts.memory = memory_of_bodies(scene)
     facts.follows = mesh_may_change(scene)
     facts.above_floor = scene.environment.floor is not None
-    flexible = (
-        is_flexible(scene, item.cable)
-        for line in scene.lines.values()
-        for item in line.items
-        if item.cable is not None
+    facts.bends = not all(
+        is_flexible(scene, item.cable) for item in items if item.cable is not None
     )
-    facts.bends = not all(flexible)
     return words
+
+
+def lengths_of(scene: SystemScene, tree: Tree | None = None) -> FloatArray:
+    """Rows of CableLength: the cables of each line from its beginning, then those on each drum as
+    they leave it. tree: whose cable table has them; without one they are in no table."""
+    found = []
+    gravity = max(scene.environment.gravity, 1.0)
+    for number, line in enumerate(scene.lines.values()):
+        for cable in (item.cable for item in line.items if item.cable is not None):
+            row = _length_row(scene, cable, number, -1)
+            # Of what floats a thousandth of its weight in air.
+            row[at.CableLength.tension] = scene.cable_types[cable.type].typical_weight(gravity)
+            if tree is not None:
+                parts = enumerate(tree.segments)
+                row[at.CableLength.row] = next(n for n, part in parts if part.cable is cable)
+            found.append(row)
+    for number, (name, winch) in enumerate(scene.winches.items()):
+        own = [] if tree is None else tree.wound[name]
+        for n, cable in enumerate(winch.drum_cables):
+            row = _length_row(scene, cable, list(scene.lines).index(winch.line), number)
+            if tree is not None:
+                parts = enumerate(tree.segments)
+                row[at.CableLength.row] = next(k for k, part in parts if part is own[n])
+            found.append(row)
+    return np.concatenate(found)
+
+
+def _length_row(scene: SystemScene, cable: Cable, line: int, winch: int) -> FloatArray:
+    """The row of a cable of a line, or on the drum of a winch, in no table."""
+    row = np.zeros(at.LENGTH_WORDS)
+    fill_length(row, scene, cable)
+    row[at.CableLength.row] = -1.0
+    row[at.CableLength.line], row[at.CableLength.winch] = line, winch
+    return row
 
 
 def fill_settings_of(scene: SystemScene, built: Built) -> None:
@@ -159,20 +185,13 @@ def fill_settings_of(scene: SystemScene, built: Built) -> None:
     state.plane = 1.0, 0.0
     rest = block.array(Header.pieces, 2, at.PIECE_WORDS)
     rest[:, at.Piece.end] = math.inf
-    entry.measure(ints, reals, facts_of_system(scene))
-    # Of every line tau times its own length is promised: the shortest one decides.
-    shortest = min(line.length for line in scene.lines.values())
-    state.time_tolerance *= shortest / scene.line_length
-    # A heavy body swings on where drag has long stopped a cable: what it misses adds up.
-    if state.memory > 0.0:
-        state.memory *= memory_of_bodies(scene)
+    entry.measure(ints, reals, lengths_of(scene), facts_of_system(scene))
     fill_current(block, scene)
 
 
 def fill_cables(scene: SystemScene, built: Built) -> None:
     """Rows of all elements, and point bodies in lines."""
     block, tree = built.block, built.tree
-    scale = float(block.scalars.tension_scale)
     rho = scene.environment.water_density
     strain = block.array(Header.strain, int(block.header.strain_words))
     table = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
@@ -184,8 +203,6 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         offset = int(block.header.strain) + used
         used += len(kind.strain_coefficients)
         row[at.Cable.displaced] = rho * 0.25 * math.pi * kind.diameter**2
-        row[at.Cable.line] = scene.lines[segment.line].length
-        row[at.Cable.tension] = weight_of(scene, segment.line)
         row[at.Cable.row] = list(scene.lines).index(segment.line)
         row[at.Cable.backward] = segment.backward
         row[at.Cable.chain] = segment.chain
@@ -193,7 +210,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.Cable.hinge] = segment.hinged
         row[at.Cable.body] = segment.mass
         edge = row[at.Cable.edge :]
-        edge[:] = edge_row(scene, cable, index, offset, scale)
+        edge[:] = edge_row(scene, cable, index, offset)
         note_choices(block, edge)
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for node, element in tree.elements.items():
@@ -206,16 +223,6 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
     bodies = block.array(Header.bodies, len(tree.masses), at.BODY_WORDS)
     for row, mass in zip(bodies, tree.masses, strict=True):
         fill_body(row, mass.node, mass.body, rho)
-
-
-def weight_of(scene: SystemScene, name: str) -> float:
-    """Weight of a line's cables in water, of what floats by a thousandth of that in air [N]."""
-    gravity, total = scene.environment.gravity, 0.0
-    for item in scene.lines[name].items:
-        if item.cable is not None:
-            kind = scene.cable_types[item.cable.type]
-            total += kind.typical_weight(max(gravity, 1.0)) * item.cable.length
-    return total
 
 
 def nodes_for_winches(scene: SystemScene, tree: Tree) -> int:
@@ -243,14 +250,13 @@ def size_on_drum(cable: Cable, usual: float) -> float:
 
 
 def fill_winches(scene: SystemScene, built: Built) -> None:
-    """Where winches are, what their drums hold, and their rates."""
+    """Where winches are, their rates, and in what elements cables pass them."""
     block, tree = built.block, built.tree
     rates = [row for winch in scene.winches.values() for row in winch.rate]
     table = block.array(Header.rates, max(1, len(rates)), at.RATE_WORDS)
     for place, point in zip(table, rates, strict=False):
         place[:] = point.t, point.rate
     block.header.payout = int(any(row.rate != 0.0 for row in rates))
-    edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     cables = block.array(Header.cables, len(tree.segments), at.CABLE_WORDS)
     first = 0
     for line_row in built.line_rows.values():
@@ -259,41 +265,26 @@ def fill_winches(scene: SystemScene, built: Built) -> None:
         if winch.at == "start":
             built.line_rows[winch.line].winch = number
         held = tree.held_at(scene, winch)
-        top = at.Edge(edges[held.top], 0)
         row = built.winch(number)
         row.node, row.way = held.node, 1.0 if held.outward else -1.0
-        row.start = top.start if held.outward else top.start + top.length
-        row.top_length = top.length
         row.cable = segment = tree.elements[held.top].segment
         row.off_drum = -row.way
-        row.travel_most = row.paid_most = winch.drum_length
-        row.shortest = SHORTEST_LINE * scene.lines[winch.line].length
-        out = fill_chain(scene, tree, cables, tree.segments[segment].chain)
-        row.travel_least = row.paid_least = min(0.0, row.shortest - out)
+        fill_chain(scene, tree, cables, tree.segments[segment].chain)
         row.first_rate, row.rates = first, len(winch.rate)
         first += len(winch.rate)
 
 
-def fill_chain(scene: SystemScene, tree: Tree, cables: FloatArray, chain: int) -> float:
-    """Elements in which the cables of a chain pass a winch; how much of them is out [m].
-
-    cables: the table of all.
-    """
-    length = 0.0
+def fill_chain(scene: SystemScene, tree: Tree, cables: FloatArray, chain: int) -> None:
+    """Elements in which the cables of a chain pass a winch. cables: the table of all."""
     for number, part in enumerate(tree.segments):
         if part.chain != chain:
             continue
         own = [e.length for e in tree.elements.values() if e.segment == number]
-        out = math.fsum(own)
         if own:
-            size = out / len(own)
+            size = math.fsum(own) / len(own)
         else:
             size = size_on_drum(part.cable, mean_element(scene, tree, part.line))
-        row = cables[number]
-        row[at.Cable.nominal] = row[at.Cable.edge.word + at.Edge.nominal.word] = size
-        row[at.Cable.shortest] = SHORTEST_PIECE * min(size, part.cable.length)
-        length += out
-    return length
+        cables[number, at.Cable.nominal] = size
 
 
 def fill_frames(scene: SystemScene, block: Block) -> None:

@@ -16,9 +16,9 @@ from cablemodel.solvers.direct import block as direct_block
 from cablemodel.solvers.direct import failures as direct_failures
 from cablemodel.solvers.direct.kernels import layout as direct_layout
 from cablemodel.solvers.finite_element import block, failures
-from cablemodel.solvers.finite_element.kernels.element import tables
 from cablemodel.solvers.shared import layout
 from cablemodel.solvers.shared.record import Record, c_struct, records
+from cablemodel_fmu import shared_numbers
 
 ACCESS = (
     "/* The word of a record at which a field starts. */",
@@ -81,22 +81,11 @@ def start_constants() -> dict[str, float]:
     from cablemodel.solvers.finite_element.start import continuation as continuation
     from cablemodel.solvers.finite_element.start import (
         firm_friction,
-        line_tables,
         refinement,
         scales,
-        winch,
     )
-    from cablemodel.systems import model
-    from cablemodel_fmu import signals
 
     return {
-        "STABILISATION": tables.STABILISATION,
-        "SHORTEST_LINE": winch.SHORTEST_LINE,
-        "SHORTEST_PIECE": winch.SHORTEST_PIECE,
-        "FIRST_PIECE": winch.WINCH_FIRST_PIECE,
-        "LEAST_PIECE": winch.LEAST_PIECE,
-        "RIGID": tables.ELEMENT_RIGID,
-        "SOFTEST": line_tables.TABLE_SOFTEST,
         "BENT": refinement.REFINEMENT_BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
         "LARGE_STRAIN": scales.LARGE_STRAIN,
@@ -106,8 +95,6 @@ def start_constants() -> dict[str, float]:
         "FEW_STEPS": continuation.FEW_STEPS,
         "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
         "DRAWINGS": firm_friction.DRAWINGS,
-        "DRUM_ROOM": signals.ROOM,
-        "SAME_PLACE": model.SAME_PLACE,
         "AHEAD": interface.RATE_AHEAD,
     }
 
@@ -145,6 +132,8 @@ def header(kernel_hash: str) -> str:
     for record in [*records(layout), *records(direct_layout)]:
         lines += [_struct(record), _same_size(record)]
     lines += list(ACCESS)
+    for name, value in constants(shared_numbers).items():
+        lines.append(f"#define {name} {value if abs(value) < 1 << 31 else f'INT64_C({value})'}")
     for name, number in start_constants().items():
         lines.append(f"#define {name} {number!r}")
     lines.append(f"#define ERROR_PLACES {len(error_estimate.PLACES)}")

@@ -51,10 +51,9 @@ from cablemodel_fmu.parts import (
     signals_of,
 )
 from cablemodel_fmu.parts import lengths as system_lengths
+from cablemodel_fmu.shared_numbers import VR_PARAMETER, VR_ZERO
 from cablemodel_fmu.signals import (
     ROOM,
-    VR_PARAMETER,
-    VR_ZERO,
     Coefficient,
     Signal,
     coefficients,

@@ -16,36 +16,50 @@ from typing import Any
 from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
-    "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
+    "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
     "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
     "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
-    "part_outputs", "payout", "promote", "raos", "rigid", "rotation", "scales", "sleep",
+    "lengths",
+    "part_outputs", "payout", "promote", "raos", "resizing", "rigid", "rotation", "scales", "sleep",
     "statics", "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")
 """In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
 RARE_ENTRIES = (
+    "arrange",
     "bodies",
+    "count_from_zero",
     "count_growing",
     "count_swinging",
     "draw_alike",
     "drive",
+    "ends_apart",
     "energy",
     "equilibrium",
     "floor_of_line",
+    "forget_stabilisation",
     "frame_motion",
     "force_rate",
     "force_response",
+    "hold_supports",
     "lay_to_anchors",
     "lengths_of_bristles",
     "measure",
     "measure_bends",
+    "motion_matrices",
+    "move_start",
     "parts",
+    "resize_line",
+    "resize_lines",
+    "rest_here",
+    "restore_bending",
     "sample",
     "sample_elements",
     "settle",
+    "stop_flow",
     "tension_ranges",
+    "worst_of_shape",
     "wrenches_when_moved",
 )
 """The same for entry points."""

@@ -14,19 +14,10 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers.library import kernel_hash
 from cablemodel.solvers.protocol import Memory
+from cablemodel_fmu import shared_numbers as number
 from cablemodel_fmu.c_layout import hash_number
 from cablemodel_fmu.signals import Coefficient
 
-MAGIC = 0x554D46454C424143  # "CABLEFMU"
-FORMAT = 4
-HEADER_WORDS = 48
-NAME_WORDS = 12
-"""Of a coefficient's row: its variable's name, for messages."""
-_CHECKSUM, _KERNELS, _GUID, _FLAGS, _SYSTEM, _INPUTS, _FRAME, _FACTS = 3, 4, 5, 10, 15, 16, 26, 32
-SCENE_INPUTS, STATIC, PINNED, ESTIMATE, IGNORE, MOVABLE, AT_START = 1, 2, 4, 8, 16, 32, 64
-LEVEL, LEAVES = 512, 1024
-VESSEL_INPUT = 128
-"""What vessel.input begins as, times this."""
 LARGEST = 1e30
 """Bound of a coefficient that has none."""
 
@@ -69,37 +60,39 @@ class ModelFile:
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
         image = self.block.image
-        header = np.zeros(HEADER_WORDS, dtype="<i8")
+        header = np.zeros(number.F_HEADER_WORDS, dtype="<i8")
         reals = header.view("<f8")
-        header[:2] = MAGIC, FORMAT
-        header[_KERNELS] = hash_number(kernel_hash())
-        header[_GUID : _GUID + 5] = np.frombuffer(self.guid.encode().ljust(40, b"\0"), "<i8")
-        header[_FLAGS] = sum(
+        header[:2] = number.FILE_MAGIC, number.FILE_FORMAT
+        header[number.F_KERNELS] = hash_number(kernel_hash())
+        header[number.F_GUID : number.F_GUID + 5] = np.frombuffer(
+            self.guid.encode().ljust(40, b"\0"), "<i8"
+        )
+        header[number.F_FLAGS] = sum(
             flag
             for flag, holds in (
-                (SCENE_INPUTS, self.scene_inputs),
-                (STATIC, self.static),
-                (PINNED, self.pinned),
-                (ESTIMATE, self.estimate),
-                (IGNORE, self.ignore),
-                (MOVABLE, self.movable),
-                (LEVEL, self.level),
-                (LEAVES, self.leaves),
-                (AT_START, self.at_start),
-                (VESSEL_INPUT * self.vessel_input, True),
+                (number.FLAG_SCENE_INPUTS, self.scene_inputs),
+                (number.FLAG_STATIC, self.static),
+                (number.FLAG_PINNED, self.pinned),
+                (number.FLAG_ESTIMATE, self.estimate),
+                (number.FLAG_IGNORE, self.ignore),
+                (number.FLAG_MOVABLE, self.movable),
+                (number.FLAG_LEVEL, self.level),
+                (number.FLAG_LEAVES, self.leaves),
+                (number.FLAG_AT_START, self.at_start),
+                (number.FLAG_VESSEL_INPUT_UNIT * self.vessel_input, True),
             )
             if holds
         )
-        header[_FLAGS + 1 : _FLAGS + 5] = (
+        header[number.F_IMAGE_WORDS : number.F_PARAMETERS + 1] = (
             len(image),
             int(self.block.header.byte_count) // 8,
             self.stations,
             len(self.coefficients),
         )
-        reals[_INPUTS : _INPUTS + 10] = self.starts
-        reals[_FRAME : _FRAME + len(self.frame)] = self.frame
-        reals[_FACTS : _FACTS + len(self.facts)] = self.facts
-        rows = np.zeros((len(self.coefficients), 8 + NAME_WORDS), dtype="<i8")
+        reals[number.F_INPUTS : number.F_INPUTS + number.VR_INPUTS] = self.starts
+        reals[number.F_FRAME : number.F_FRAME + len(self.frame)] = self.frame
+        reals[number.F_FACTS : number.F_FACTS + len(self.facts)] = self.facts
+        rows = np.zeros((len(self.coefficients), 8 + number.NAME_WORDS), dtype="<i8")
         values = rows.view("<f8")
         for row, value, item in zip(rows, values, self.coefficients, strict=True):
             row[:3] = item.kind, item.word, item.index
@@ -107,18 +100,18 @@ class ModelFile:
             most = LARGEST if item.signal.maximum is None else item.signal.maximum
             value[3:8] = item.factor, item.signal.start, least, most, item.reach
             row[8:] = np.frombuffer(name_words(item.signal.name), "<i8")
-        header[_SYSTEM] = len(self.system)
-        header[2] = HEADER_WORDS + rows.size + len(self.system) + len(image)
-        parts = header[_KERNELS:], rows, self.system, image.astype("<i8")
+        header[number.F_SYSTEM_WORDS] = len(self.system)
+        header[number.F_WORDS] = number.F_HEADER_WORDS + rows.size + len(self.system) + len(image)
+        parts = header[number.F_KERNELS :], rows, self.system, image.astype("<i8")
         body = b"".join(part.tobytes() for part in parts)
-        header[_CHECKSUM] = zlib.crc32(body)
-        return header[:_KERNELS].tobytes() + body
+        header[number.F_CHECKSUM] = zlib.crc32(body)
+        return header[: number.F_KERNELS].tobytes() + body
 
 
 def name_words(name: str) -> bytes:
     """A variable's name, or its beginning where it is too long, ended by zeros."""
-    most = 8 * NAME_WORDS - 1
+    most = 8 * number.NAME_WORDS - 1
     whole = name.encode()
     if len(whole) > most:
         whole = whole[: most - 3].decode(errors="ignore").encode() + b"..."
-    return whole.ljust(8 * NAME_WORDS, b"\0")
+    return whole.ljust(8 * number.NAME_WORDS, b"\0")

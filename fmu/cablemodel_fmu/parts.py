@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.scene.line import Cable
-from cablemodel.scene.schema import longest_stretch
 from cablemodel.solvers.shared import layout as at
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import standing
 from cablemodel.systems.motion import first_angles, turning
 from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.tables import lengths_of
 from cablemodel.variables import (
     CUT_OUTPUTS,
     FREE_BODY_PARAMETERS,
@@ -30,25 +30,25 @@ from cablemodel.variables import (
     outputs_of,
 )
 from cablemodel_fmu.model_file import name_words
+from cablemodel_fmu.shared_numbers import (
+    OF_FREE,
+    VR_PARAMETER,
+    VR_SYSTEM_CHOICE,
+    VR_SYSTEM_INPUT,
+    VR_SYSTEM_OUTPUT,
+    VR_SYSTEM_START,
+)
 from cablemodel_fmu.signals import (
     LARGEST,
     LONGEST,
-    OF_DRUM,
-    OF_FREE,
-    OF_LINE,
     SHORTEST,
-    VR_PARAMETER,
     Coefficient,
     Coefficients,
     Signal,
     axes_of,
     controls,
+    length_of,
 )
-
-VR_INPUT = 100000000
-VR_CHOICE = 200000000
-VR_OUTPUT = 300000000
-VR_START = 400000000
 
 _FORCE = 1e15
 _ALLOWED = {**LARGEST, "rad": 1e4, "rad/s": 1e3, "N": _FORCE, "N.m": _FORCE, "": 1e9}
@@ -78,8 +78,9 @@ def choices(scene: SystemScene, by: int) -> list[Signal]:
     """Of each vessel or driven end: which inputs move it."""
     return [
         Signal(
-            VESSEL_CHOICE.fmu.replace("NAME", name), VR_CHOICE + n, "Enumeration", "parameter",
-            "fixed", "", f"{name}: {VESSEL_CHOICE.quantity}", float(by), type="VesselInput",
+            VESSEL_CHOICE.fmu.replace("NAME", name), VR_SYSTEM_CHOICE + n, "Enumeration",
+            "parameter", "fixed", "", f"{name}: {VESSEL_CHOICE.quantity}", float(by),
+            type="VesselInput",
         )
         for n, name in enumerate(scene.vessels)
     ]  # fmt: skip
@@ -103,7 +104,7 @@ def starts(scene: SystemScene) -> list[Signal]:
                 found.append(
                     Signal(
                         row.fmu.replace("NAME", name).replace("[i]", f"[{i}]"),
-                        VR_START + len(found),
+                        VR_SYSTEM_START + len(found),
                         "Real",
                         "parameter",
                         "fixed",
@@ -144,30 +145,25 @@ def lengths(scene: SystemScene, built: Built, first: int) -> list[Coefficient]:
 
     Branches stay where they are: what is before one is the scene's.
     """
-    tree = built.tree
     of_line, on_drum = SYSTEM_LENGTHS
-    places: list[tuple[str, Cable, int, int, int, bool]] = []
+    places: list[tuple[str, Cable, int, bool]] = []
     for name, line in scene.lines.items():
         cables = [item.cable for item in line.items if item.cable is not None]
         branches = [end.at or 0.0 for other in scene.lines.values() for end in other.ends
                     if end.line == name]  # fmt: skip
         arc = 0.0
         for number, cable in enumerate(cables, start=1):
-            row = next(n for n, part in enumerate(tree.segments) if part.cable is cable)
             fixed = any(place > arc + 1e-9 for place in branches)
-            places.append((name, cable, number, OF_LINE, row, fixed))
+            places.append((name, cable, number, fixed))
             arc += cable.length
     for name, winch in scene.winches.items():
-        segments = tree.wound[name]
-        for number, (cable, own) in enumerate(
-            zip(winch.drum_cables, segments, strict=True), start=1
-        ):
-            row = next(n for n, part in enumerate(tree.segments) if part is own)
-            places.append((name, cable, number, OF_DRUM, row, False))
-    movable, winches = is_movable(scene), list(scene.winches)
+        for number, cable in enumerate(winch.drum_cables, start=1):
+            places.append((name, cable, number, False))
+    movable = is_movable(scene)
     found: list[Coefficient] = []
-    for name, cable, number, kind, row, fixed in places:
-        entry = of_line if kind == OF_LINE else on_drum
+    rows = lengths_of(scene, built.tree).reshape(-1, at.LENGTH_WORDS)
+    for (name, cable, number, fixed), row in zip(places, rows, strict=True):
+        entry = of_line if row[at.CableLength.winch] < 0.0 else on_drum
         settable = movable and not fixed
         signal = Signal(
             entry.fmu.replace("NAME", name).replace("[n]", f"[{number}]"),
@@ -181,13 +177,7 @@ def lengths(scene: SystemScene, built: Built, first: int) -> list[Coefficient]:
             cable.length * (SHORTEST if settable else 1.0),
             cable.length * (LONGEST if settable else 1.0),
         )
-        of_type = scene.cable_types[cable.type]
-        if kind == OF_LINE:
-            weight = of_type.typical_weight(scene.environment.gravity)
-            found.append(Coefficient(signal, kind, 0, row, weight, longest_stretch(of_type)))
-        else:
-            counted = float(cable.elements is not None)
-            found.append(Coefficient(signal, kind, winches.index(name), row, 0.0, counted))
+        found.append(length_of(scene, cable, signal, row))
     return found
 
 
@@ -204,7 +194,7 @@ def inputs(scene: SystemScene) -> list[Signal]:
             found.append(
                 Signal(
                     row.fmu.replace("NAME", part).replace("[i]", f"[{i}]"),
-                    VR_INPUT + len(found),
+                    VR_SYSTEM_INPUT + len(found),
                     "Real",
                     "input",
                     "discrete" if command else "continuous",
@@ -250,7 +240,15 @@ def outputs(scene: SystemScene, stations: int) -> list[Signal]:
         names = list(row.fmu_names(stations=stations))
         for name, words in zip(names, _descriptions(row, stations, len(names)), strict=True):
             found.append(
-                Signal(name, VR_OUTPUT + len(found), "Real", "output", variability, row.unit, words)
+                Signal(
+                    name,
+                    VR_SYSTEM_OUTPUT + len(found),
+                    "Real",
+                    "output",
+                    variability,
+                    row.unit,
+                    words,
+                )
             )
     return found
 

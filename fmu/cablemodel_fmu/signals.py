@@ -7,32 +7,39 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cablemodel.scene.schema import longest_stretch
 from cablemodel.solvers.direct.block import DirectBlock
 from cablemodel.solvers.direct.kernels import layout as direct
-from cablemodel.solvers.finite_element.start.scales import tension_per_length
+from cablemodel.solvers.finite_element.start.winch import lengths_of
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.variables import INPUTS, Parameter, Variable, outputs_of, parameter
+from cablemodel_fmu.shared_numbers import (
+    OF_BODY,
+    OF_CABLES,
+    OF_DRUM,
+    OF_LINE,
+    VR_BODY,
+    VR_ERROR,
+    VR_PARAMETER,
+    VR_START,
+    VR_STATION,
+    VR_SUMMARY,
+    VR_USE_SCENE_INPUTS,
+    VR_VELOCITY,
+)
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
-    from cablemodel.scene.line import Body
+    from cablemodel.scene.line import Body, Cable
     from cablemodel.solvers.finite_element.block import Block
     from cablemodel.systems.scene import SystemScene
 
     AnyBlock = Block | DirectBlock
-
-VR_INPUT = 0
-VR_CONTROL = 10
-VR_START = 20
-VR_PARAMETER = 100
-VR_ZERO = 900
-VR_ERROR = 950
-VR_SUMMARY = 1000
-VR_STATION = 10000
-VR_BODY = 20000000
 
 # First word of a quantity: of the Summary of shared/layout.py, or of a row of the stations.
 _SUMMARY = {name: field.word for name, field in at.Summary.FIELDS.items()} | {
@@ -51,10 +58,6 @@ _BODY = {
     "bodies.position": at.Station.position.word,
     "bodies.direction": at.Station.tangent.word,
 }
-
-# A coefficient of a cable type, of a body in a line or of a free body; the length of a cable of the
-# line or on the drum.
-OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM = range(5)
 
 LARGEST = {"m": 1e7, "m/s": 1e3}
 """Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
@@ -136,7 +139,7 @@ def inputs(starts: list[float]) -> list[Signal]:
     for item in INPUTS:
         names = [item.fmu.replace("[i]", f"[{i}]") for i in (1, 2, 3)] if item.shape else [item.fmu]
         for number, name in enumerate(names):
-            reference = VR_INPUT + len(signals)
+            reference = VR_VELOCITY + len(signals)
             axis = f", {_AXES[number]}" if item.shape else ""
             signals.append(
                 Signal(
@@ -260,10 +263,10 @@ def _references(variable: Variable, stations: int, rows: list[int]) -> list[tupl
 
 
 def controls(scene_inputs: bool, vessel_input: int, timing: int) -> list[Signal]:
-    """What decides who drives, and how: references from VR_CONTROL on."""
+    """What decides who drives, and how: references from VR_USE_SCENE_INPUTS on."""
     return [
         Signal(
-            row.fmu, VR_CONTROL + n, kind, "parameter", "fixed", "", row.quantity, start,
+            row.fmu, VR_USE_SCENE_INPUTS + n, kind, "parameter", "fixed", "", row.quantity, start,
             type=name,
         )
         for n, (row, kind, start, name) in enumerate(
@@ -399,13 +402,9 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
     cablemodel/solvers/finite_element/start/winch.py.
     """
     found: list[Coefficient] = []
-    drum = scene.drum_cables
-    rows = [*range(len(scene.cables) - 1, -1, -1), *_drum_rows(scene)]
-    tensions = [*tension_per_length(scene), *(0.0 for _ in drum)]
     settable = is_settable(scene)
-    for n, (cable, row, tension) in enumerate(
-        zip([*scene.cables, *drum], rows, tensions, strict=True)
-    ):
+    rows = lengths_of(scene).reshape(-1, at.LENGTH_WORDS)
+    for n, (cable, row) in enumerate(zip((*scene.cables, *scene.drum_cables), rows, strict=True)):
         inboard = n >= len(scene.cables)
         entry = parameter("drum.cable[n].length" if inboard else "line.cable[n].length")
         number = n + 1 - (len(scene.cables) if inboard else 0)
@@ -421,28 +420,20 @@ def lengths(scene: Scene, first: int) -> list[Coefficient]:
             cable.length * (SHORTEST if settable else 1.0),
             cable.length * (LONGEST if settable else 1.0),
         )
-        kind = OF_DRUM if inboard else OF_LINE
-        reach = 0.0 if inboard else longest_stretch(scene.cable_types[cable.type])
-        found.append(Coefficient(signal, kind, 0, row, tension, reach))
+        found.append(length_of(scene, cable, signal, row))
     return found
 
 
-def _drum_rows(scene: Scene) -> list[int]:
-    """Rows of the cable table of the drum's cables: one like the line's top cable shares its."""
-    rows = []
-    row = len(scene.cables) - 1
-    top = scene.cables[0]
-    body = scene.line[0].cable is None
-    for item in scene.payout.drum:
-        if item.cable is None:
-            body = True
-            continue
-        if body or (top.type, top.model) != (item.cable.type, item.cable.model):
-            row += 1
-            top = item.cable
-        rows.append(row)
-        body = False
-    return rows
+def length_of(
+    scene: CableScene, cable: Cable, signal: Signal, row: NDArray[np.float64]
+) -> Coefficient:
+    """What the FMU knows of a cable's length; row: its CableLength."""
+    of = at.CableLength
+    index, tension = int(row[of.row]), float(row[of.tension])
+    if row[of.winch] < 0.0:
+        stretch = longest_stretch(scene.cable_types[cable.type])
+        return Coefficient(signal, OF_LINE, 0, index, tension, stretch)
+    return Coefficient(signal, OF_DRUM, int(row[of.winch]), index, tension, float(row[of.counted]))
 
 
 def is_settable(scene: Scene) -> bool:

@@ -17,7 +17,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 import cablemodel as cm
 from cablemodel_fmu.export import export_fmu
-from cablemodel_fmu.model_file import HEADER_WORDS, NAME_WORDS
+from cablemodel_fmu.shared_numbers import F_HEADER_WORDS, NAME_WORDS
 
 CABLE = {
     "diameter": 0.01666,
@@ -286,4 +286,4 @@ def sealed(data: bytearray) -> bytes:
 def image_start(data: bytes) -> int:
     """Where the block begins."""
     parameters = struct.unpack_from("<q", data, 8 * 14)[0]
-    return 8 * (HEADER_WORDS + (8 + NAME_WORDS) * parameters)
+    return 8 * (F_HEADER_WORDS + (8 + NAME_WORDS) * parameters)

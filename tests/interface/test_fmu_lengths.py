@@ -476,6 +476,11 @@ FREE = still_scene().to_dict()
 ALONE = {"cable_types": {"K": CABLE}, "run": {"duration": 2, "output_interval": 0.5}}
 STRAIGHT = {**ALONE, "initial": {"straight": [1.0, 0.0, 0.0]}}
 GETS_UNDER_WAY = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 5, "velocity": [1, 0, 0]}]
+ROPE = {**CABLE, "diameter": 0.02}
+ON_DRUM = [{"cable": {"type": "R", "length": length}} for length in (6.0, 4.0)]
+TWO_ON_DRUM = {
+    **FREE, "cable_types": {**FREE["cable_types"], "R": ROPE}, "payout": {"drum": ON_DRUM},
+}  # fmt: skip
 RIGID = {**FREE, "line": [cable(20.0), body(half_length=0.5, rotary_inertia=0.6), cable(10.0)]}
 
 
@@ -484,6 +489,7 @@ RIGID = {**FREE, "line": [cable(20.0), body(half_length=0.5, rotary_inertia=0.6)
     [
         (FREE, [40.0, 20.0], [30.0]),
         (FREE, [10.0, 5.0], [30.0]),
+        (TWO_ON_DRUM, [30.0, 15.0], [9.0, 5.0]),
         ({**RIGID, "end": "free"}, [30.0, 15.0], [22.5]),
         ({**STRAIGHT, "line": [cable(4.0)]}, [8.0], []),
         ({**STRAIGHT, "line": [cable(8.0)]}, [4.0], []),

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cablemodel.solvers.direct.kernels import layout as own
-from cablemodel.solvers.finite_element.kernels.element import limp
-from cablemodel.solvers.finite_element.kernels.mesh import touchdown_mesh
+from cablemodel.solvers.finite_element.block import SIZES, Block
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.record import Part, Several, Spare, c_struct, dtype_of, records
 
@@ -51,12 +50,32 @@ def test_every_field_says_what_it_is(record):
     assert all(f" {name}" in c_struct(record) for name in record.FIELDS)
 
 
-@pytest.mark.parametrize("module", [limp, touchdown_mesh])
-def test_rows_that_a_user_names_do_not_meet(module):
-    """Of the memory that is free before a step; it holds four stages' velocities in space."""
-    rows = [value for name, value in vars(module).items() if name.startswith("ROW_")]
-    assert sorted(rows) == list(range(len(rows)))
-    assert 4 <= len(rows) <= at.SPARE_ROWS
+@pytest.mark.parametrize(
+    "together",
+    [
+        (at.SearchRows, at.LimpRows),
+        (at.SearchRows, at.MeshRows),
+        (at.BeginRows,),
+        (at.FilterRows,),
+        (at.SolvedRows,),
+    ],
+)
+def test_users_of_spare_rows_that_are_at_work_together_do_not_meet(together):
+    """Both stages' arrays, one behind the other, hold them."""
+    taken = [
+        field.word + n
+        for rows in together
+        for field in rows.FIELDS.values()
+        if not isinstance(field, Spare)
+        for n in range(field.words)
+    ]
+    assert len(taken) == len(set(taken))
+    assert max(taken) < at.SPARE_ROWS
+    _image, workspace = Block.arrays(**dict.fromkeys(SIZES, 1))
+    places = [place for place, _length in workspace]
+    first = places.index(at.Header.stage_velocity.word)
+    assert places[first + 1] == at.Header.stage_acceleration.word
+    assert [length for _place, length in workspace[first : first + 2]] == [at.STAGE_ROWS] * 2
 
 
 def test_what_there_is_one_of_stands_where_a_block_has_it():

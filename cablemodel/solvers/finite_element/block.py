@@ -131,9 +131,9 @@ class Block(WordBlock):
         cell = cell_terms * (at.CELL_WORDS // at.CELL_TERMS)  # words of one; 0: there are none
         workspace = [
             (Header.backup.word, image_words),
-            # The first stage is the state, the last one the trial.
-            (Header.stage_velocity.word, capacity * at.SPARE_ROWS),
-            (Header.stage_acceleration.word, capacity * 24),
+            # The first stage is the state, the last one the trial. Both in a row: SPARE_ROWS.
+            (Header.stage_velocity.word, capacity * at.STAGE_ROWS),
+            (Header.stage_acceleration.word, capacity * at.STAGE_ROWS),
             (Header.base_position.word, capacity * 6),
             (Header.base_velocity.word, capacity * 6),
             (Header.trial_position.word, capacity * 6),

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers import library as entry
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import SLOW_DAMPING
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
@@ -39,19 +38,18 @@ def small_motions(block: Block) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def matrices(block: Block) -> tuple[Matrix, Matrix, Matrix]:
     """The same over all nodes' places and slopes, what holds them left out, sparse."""
-    stiffness = _newton_matrix(block, 0.0, 0.0)
+    from scipy.sparse import csc_matrix
 
-    def part(of_velocity: float, of_acceleration: float) -> Matrix:
-        # A large factor keeps it from drowning in the axial stiffness.
-        guess = _newton_matrix(block, of_velocity, of_acceleration) - stiffness
-        largest = max(np.abs(guess.diagonal()).max(), 1e-30)
-        factor = max(1.0, float(np.abs(stiffness.diagonal()).max() / largest))
-        if of_velocity and block.header.free_count:
-            factor = min(factor, SLOW_DAMPING)
-        whole = _newton_matrix(block, factor * of_velocity, factor * of_acceleration)
-        return (whole - stiffness) / factor
-
-    return part(0.0, 1.0), part(1.0, 0.0), stiffness
+    nodes, size = int(block.header.nodes), 2 * int(block.header.dimension)
+    kept = block.image.copy()
+    words = np.empty((3, 3, nodes, size, size))
+    entry.motion_matrices(block.ints, block.reals, words.reshape(-1))
+    block.image[:] = kept
+    stiffness, damping, mass = (_sparse(block, part) for part in words)
+    if block.header.closure_count:
+        for columns in clamps_at_bodies(block):
+            stiffness -= csc_matrix(columns) @ csc_matrix(columns).T
+    return mass, damping, stiffness
 
 
 def natural_frequencies(block: Block, count: int) -> FloatArray:
@@ -120,11 +118,12 @@ def newton_blocks(
     return diagonal, upper, lower
 
 
-def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> Matrix:
-    """Stiffness and these multiples of damping and mass, over all nodes' unknowns, sparse."""
+def _sparse(block: Block, parts: FloatArray) -> Matrix:
+    """A matrix over all nodes' unknowns from each node's own block, what ties its parent to it and
+    it to its parent, (3, nodes, size, size)."""
     from scipy.sparse import csc_matrix
 
-    diagonal, upper, lower = newton_blocks(block, of_velocity, of_acceleration)
+    diagonal, upper, lower = parts
     nodes, size = diagonal.shape[:2]
     node = np.arange(nodes)
     tied = np.isin(block.integers(Header.joint, nodes), TIED) & (node > 0)
@@ -136,9 +135,7 @@ def _newton_matrix(block: Block, of_velocity: float, of_acceleration: float) -> 
     values = np.concatenate([diagonal, upper[tied], lower[tied]])
     shape = nodes * size, nodes * size
     found = csc_matrix((values.ravel(), (at_rows.ravel(), at_columns.ravel())), shape=shape)
-    if block.header.closure_count:
-        for columns in clamps_at_bodies(block):
-            found -= csc_matrix(columns) @ csc_matrix(columns).T
+    found.eliminate_zeros()
     return found
 
 

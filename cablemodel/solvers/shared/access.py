@@ -18,6 +18,7 @@ from cablemodel.solvers.shared.layout import (
     Arm,
     Body,
     Cable,
+    CableLength,
     Cell,
     Closure,
     Constraint,
@@ -41,6 +42,7 @@ from cablemodel.solvers.shared.layout import (
     Polynomial,
     Rate,
     Scalars,
+    StartMove,
     Station,
     StepInputs,
     Summary,
@@ -77,6 +79,8 @@ cut_of, cut_at = row_of(Cut, Header.cuts), record_at(Cut)
 foot_of, foot_at = row_of(Foot, Header.feet), record_at(Foot)
 cell_of = row_of(Cell, Header.cells)
 line_facts_at = record_at(LineFacts)
+cable_length_at = record_at(CableLength)
+start_move_at = record_at(StartMove)
 sea_layer_at = record_at(Layer)
 tow_point_of = row_of(Motion, Header.motion)
 """tow_point_of(I, M, 0): its motion at the last set_time, earth frame."""
@@ -94,8 +98,8 @@ part_motion_at = record_at(PartMotion)
 
 @inlined
 def spare_row(I, row):
-    """Where words for the nodes begin, `capacity` of them, in the memory of the stages' velocities,
-    which is free before a step. Who uses such rows names them, from 0 on: below SPARE_ROWS."""
+    """Where words for the nodes begin, `capacity` of them, in the memory of a step's stages, which
+    is free where none is under way. Users and their rows are declared in layout.py."""
     head = header(I)
     return head.stage_velocity + row * head.capacity
 

@@ -16,7 +16,8 @@ FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
 
 
-SPARE_ROWS = 24  # of one word for each node, in the stages' velocities: access.spare_row
+STAGE_ROWS = 24  # of one word for each node: four stages' velocities, or their accelerations
+SPARE_ROWS = 2 * STAGE_ROWS  # both, one behind the other: access.spare_row
 
 
 class Header(Record):
@@ -780,14 +781,38 @@ class Layer(Record):
     _spare = spare(9)
 
 
-class LineFacts(Record):
-    """What a line is like as a whole, for scales.measure_line."""
+class CableLength(Record):
+    """A cable of a line, or on a drum, and the length that it gets before a start: lengths.py.
 
-    length = real("of its cables", "m")
-    damping = real("rho Cdn d L / m")
-    softness = real("of the whole line", "m/N")
+    Rows are in the order of each line's cables, from its beginning; then as they leave each drum.
+    """
+
+    row = real("of it in the cable table")
+    line = real("number of its line")
+    winch = real("number of the winch on whose drum it is; -1: it is out")
+    first = real("its length in the scene", "m")
+    before = real("its length so far", "m")
+    length = real("its length from now on", "m")
+    softness = real("c_1 of its strain curve", "1/N")
+    mass = real("in air", "kg/m")
+    drag = real("rho Cdn d", "kg/m2")
+    tension = real("what it adds to a typical tension", "N/m")
+    counted = real("1: the scene counts its elements")
+
+
+LENGTH_WORDS = CableLength.WORDS
+
+
+class LineFacts(Record):
+    """What a line is like as a whole, or the lines of a system, for scales.measure_line."""
+
+    length = real("of its cables; of a system of the longest line", "m")
+    shortest = real("the same of the shortest line", "m")
+    damping = real("rho Cdn d L / m, of the line where it is least")
+    softness = real("of the whole line, of the softest one", "m/N")
     mass = real("of cables and bodies, in air", "kg")
     tension = real("a typical one", "N")
+    memory = real("how many times as long as a cable's motion that of a body goes on")
     slack = real("1: it starts without tension")
     calm = real("1: its end is free, there is no floor, no cable runs")
     follows = real("1: its mesh may change: the scene gives no numbers of elements")
@@ -876,6 +901,18 @@ class StepInputs(Record):
 INPUT_WORDS = StepInputs.WORDS
 
 
+class StartMove(Record):
+    """Where a tow point begins that is not where the scene has it: resizing.move_start."""
+
+    way = reals(3, "from where the scene has it", "m")
+    position = reals(3, "where it begins, earth frame", "m")
+    velocity = reals(3, "how fast", "m/s")
+    driven = real("1: it goes on at that velocity")
+
+
+START_MOVE_WORDS = StartMove.WORDS
+
+
 class MotionChange(Record):
     """What a small change of the tow point's motion is now, and when it began; earth frame."""
 
@@ -916,6 +953,67 @@ class PartMotion(Record):
 
 
 PART_WORDS = PartMotion.WORDS
+
+# Users of the spare rows, with the rows that they name: each has its own while it is at work.
+
+
+class SearchRows(Record):
+    """Of a search for an equilibrium, behind those of a look at mesh and limp cable: statics.py."""
+
+    _spare = spare(STAGE_ROWS)
+    places = reals(6, "where it began: places and slopes", "m")
+    tensions = reals(2, "with which it began", "N")
+    bore = real("what the floor bore for long, before it followed the load")
+
+
+class BeginRows(Record):
+    """Of what a run begins with: begin.py."""
+
+    bent = real("by how much each element bends")
+    accelerations = reals(6, "that supports leave as they are", "m/s2")
+
+
+class LimpRows(Record):
+    """Of a look at what is limp: limp.py."""
+
+    hung = real("what holds up what hangs there", "N")
+    below = real("the same, from below", "N")
+    above = real("from above", "N")
+    held = real("where it is held")
+
+
+class MeshRows(Record):
+    """Of a look at the mesh: touchdown_mesh.py, bending_mesh.py."""
+
+    gaps = real("over the floor", "m")
+    behind = real("what lies behind")
+    jumps = real("of r''", "1/m")
+    wanted = real("length of elements that is wanted", "m")
+    promised = real("the same as far as others let it be", "m")
+    spare = real("what may be joined")
+    ways = real("along the floor", "m")
+
+
+class FilterRows(Record):
+    """Of what a step's matrix leaves of an error: tension.py, as a step's error is found."""
+
+    left = reals(2, "what is left in tensions", "N")
+    _spare = spare(STAGE_ROWS - 2)
+    accelerations = reals(6, "of the motion that is filtered", "m/s2")
+
+
+class SolvedRows(Record):
+    """Of tensions that are solved for, at the end of a step: tension.py."""
+
+    places = reals(6, "of the state that is solved for", "m")
+    velocities = reals(6, "of it", "m/s")
+    accelerations = reals(6, "of it", "m/s2")
+    tensions = reals(6, "of it, two of each element", "N")
+    rates = reals(6, "of those", "N/s")
+    curved = reals(6, "what curvature takes of a rate of stretch")
+    strained = reals(6, "rates of strain")
+    softness = reals(6, "compliances that are set aside, and sums along the line")
+
 
 # Elements at a touchdown.
 LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)

@@ -321,9 +321,12 @@ static const char *load_block(Cable *cable, const char *resource_location, const
     cable->M = (double *)cable->I;
     cable->room = cable->block_words;
     cable->values = calloc((size_t)cable->value_words + 1, sizeof(double));
+    for (int64_t n = 0; n < cable->parameter_count; n++)
+        if (cable->parameters[n].kind >= OF_LINE) cable->length_words += LENGTH_WORDS;
+    cable->lengths = calloc((size_t)cable->length_words + 1, sizeof(double));
     cable->arcs = calloc(samples, sizeof(double));
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
-    if (cable->I == NULL || cable->values == NULL || cable->arcs == NULL || cable->rows == NULL)
+    if (cable->I == NULL || cable->values == NULL || cable->lengths == NULL || cable->arcs == NULL || cable->rows == NULL)
         return "out of memory";
     return NULL;
 }
@@ -364,6 +367,7 @@ void free_cable(Cable *cable) {
     free(cable->file);
     free(cable->I);
     free(cable->values);
+    free(cable->lengths);
     free(cable->arcs);
     free(cable->rows);
     free(cable->copy);

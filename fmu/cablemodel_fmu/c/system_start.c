@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cable.h"
+#include "system.h"
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
@@ -348,16 +348,6 @@ static int follow_ends(Cable *cable, const double *before, const double *grown) 
 
 /* -- equilibrium ------------------------------------------------------------------------------------ */
 
-/* What holds the ends, at the start of a motion, but for accelerations: they begin after t = 0. */
-static void hold_ends(Cable *cable) {
-    const int64_t *I = cable->I;
-    double *kept = cable->M + header(I)->increment; /* workspace that is not used here */
-    const size_t bytes = sizeof(double) * (size_t)(6 * header(I)->nodes);
-    memcpy(kept, cable->M + header(I)->acceleration, bytes);
-    cablemodel_place_supports(cable->I, cable->block_words);
-    memcpy(cable->M + header(I)->acceleration, kept, bytes);
-}
-
 /* Make the present places of feet those of rest: none of them is held where the scene puts it. */
 static void rest_feet(Cable *cable) {
     const int64_t *I = cable->I;
@@ -393,20 +383,23 @@ static int64_t come_to_rest(Cable *cable, double velocity[3]) {
     }
     set_friction(cable, 1);
     if (status != OK) return status;
-    hold_ends(cable);
-    rest_here(cable);
+    cablemodel_hold_supports(cable->I, cable->block_words);
+    cablemodel_rest_here(cable->I, cable->block_words);
     rest_feet(cable);
-    count_from_zero(cable);
+    cablemodel_count_from_zero(cable->I, cable->block_words);
     if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
     return OK;
 }
 
 /* Halve what bends too much, from the last element on: halves go where the whole one went. */
 static int64_t halve_bent(Cable *cable) {
+    const int64_t nodes = header(cable->I)->nodes;
     int64_t found = NOTHING;
-    double *bends = bends_of(cable);
-    for (int64_t node = bends ? header(cable->I)->nodes - 1 : 0; node >= 1 && found != NO_CAPACITY; node--) {
-        if (!(bends[node] > 1.0)) continue;
+    double *bends = malloc(8 * (size_t)nodes);
+    if (bends == NULL) return NO_CAPACITY;
+    cablemodel_measure_bends(cable->I, cable->block_words, bends, nodes);
+    for (int64_t node = nodes - 1; node >= 1 && found != NO_CAPACITY; node--) {
+        if (!(bends[node] > BENT)) continue;
         const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
         if (status != NOTHING) found = status;
     }
@@ -427,7 +420,7 @@ static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
             free(at_rest);
             if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
         }
-        if (found != NOTHING && !at_floor) restore_bending(cable);
+        if (found != NOTHING && !at_floor) cablemodel_restore_bending(cable->I, cable->block_words);
         if (found != NOTHING && come_to_rest(cable, velocity) != OK) {
             give_back(cable, at_rest);
             found = NOTHING;
@@ -496,8 +489,8 @@ static int64_t let_friction_hold(Cable *cable) {
             status = equilibrium_at_rest(cable);
         }
         if (status == OK) {
-            hold_ends(cable);
-            count_from_zero(cable);
+            cablemodel_hold_supports(cable->I, cable->block_words);
+            cablemodel_count_from_zero(cable->I, cable->block_words);
             if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
         } else if (status != NO_CAPACITY) {
             lay_out_as(cable, before);
@@ -520,11 +513,12 @@ static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     memcpy(before, POSITION_OF(cable, 0), sizeof(double) * (size_t)(6 * nodes));
     place_vessels(cable, to, velocity);
     cablemodel_place_supports(cable->I, cable->block_words);
-    resize_lines(cable, from, to, before, grown);
+    cablemodel_resize_lines(cable->I, cable->block_words, lengths_between(cable, from, to), cable->length_words, before,
+                            6 * nodes, grown, 3 * nodes);
     const int followed = follow_ends(cable, before, grown);
     cablemodel_place_supports(cable->I, cable->block_words); /* clamps do not turn with the line */
     free(before);
-    restore_bending(cable);
+    cablemodel_restore_bending(cable->I, cable->block_words);
     return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
 }
 
@@ -572,8 +566,8 @@ static double pressed_by(const Cable *cable) {
 }
 
 /* What is to be told of such a start: as `judge` of lengths.c. */
-static void judge(Cable *cable, double bent, double stretched) {
-    judge_shape(cable, bent, stretched);
+static void judge(Cable *cable, const Shape *before) {
+    judge_shape(cable, before);
     cable->pressed = pressed_by(cable);
 }
 
@@ -596,15 +590,19 @@ static const char *name_changed(const Cable *cable, char *name, size_t size) {
 
 static const char *search(Cable *cable) {
     const Way way = way_of(cable);
-    const double bent = most_bent(cable), stretched = most_stretched(cable);
+    const Shape before = shape_of(cable);
     double velocity[3];
     char name[128] = "";
     int64_t status = OK, *kept = copy_of_image(cable);
     if (kept == NULL) return "out of memory";
     run_winches(cable, 0);
-    measure_lines(cable);
-    scalars(cable->M)->third_mode = STABILISATION * scalars(cable->M)->tension_scale;
-    forget_stabilisation(cable);
+    if (lengths_changed(cable)) {
+        LineFacts facts;
+        memcpy(&facts, cable->file + F_FACTS, sizeof facts);
+        cablemodel_measure(cable->I, cable->block_words, lengths_between(cable, 0.0, 1.0), cable->length_words,
+                           (double *)&facts, FACT_WORDS);
+    }
+    cablemodel_forget_stabilisation(cable->I, cable->block_words);
     /* A line that got too long at once may be found pressed, where it would have bent. */
     const int longer = lengths_changed(cable) && pressed_by(cable) == 0.0;
     double done = 0.0, part = 1.0;
@@ -633,7 +631,7 @@ static const char *search(Cable *cable) {
     if (status == NO_CAPACITY) return "out of memory";
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);
-    judge(cable, bent, stretched);
+    judge(cable, &before);
     return start_flowing(cable);
 }
 
@@ -645,21 +643,37 @@ static void move_origin(Cable *cable, const double way[3]) {
     memcpy(kept, POSITION_OF(cable, 0), bytes);
     place_vessels(cable, 1.0, NULL);
     for (int i = 0; i < 3; i++) scalars(cable->M)->origin[i] += way[i];
-    hold_ends(cable);
+    cablemodel_hold_supports(cable->I, cable->block_words);
     memcpy(POSITION_OF(cable, 0), kept, bytes);
 }
 
-/* Lengths that are set, with vessels where they are to begin. */
+/* Why a system cannot have the lengths that are set, with vessels where they are to begin; NULL: it may. */
 static const char *refuse_lengths(Cable *cable) {
-    double velocity[3];
+    double velocity[3], length, apart;
+    const System *s = cable->system;
     if (!lengths_changed(cable)) return NULL;
     const Way way = way_of(cable);
     velocity_at(&way, 1.0, velocity);
     place_vessels(cable, 1.0, velocity);
-    cablemodel_place_supports(cable->I, cable->block_words);
-    const char *problem = check_lengths(cable);
+    const int64_t line = line_out_of_reach(cable, &length, &apart);
     restore_exported(cable);
-    return problem;
+    for (int64_t n = 0; n < header(cable->I)->cut_count; n++) {
+        const Cut *cut = AS(Cut, cable->M + header(cable->I)->cuts + n * CUT_WORDS);
+        const double number = cable_of(cable->I, (int64_t)cut->segment)->row;
+        double own = 0.0;
+        for (int64_t k = 0; k < cable->parameter_count; k++) {
+            const Parameter *p = &cable->parameters[k];
+            if (p->kind == OF_LINE && cable_of(cable->I, p->index)->row == number) own += cable->values[k];
+        }
+        if (cut->side != CUT_WITHIN || fabs(cut->arc) < own) continue;
+        snprintf(cable->message, sizeof cable->message, "a cut at %g m is beyond %s, which has %g m",
+                 fabs(cut->arc), s->rows[first_line(s) + (int64_t)number].name, own);
+        return cable->message;
+    }
+    if (line < 0) return NULL;
+    snprintf(cable->message, sizeof cable->message, "%s ends %g m apart, out of reach of its %g m",
+             s->rows[first_line(s) + line].name, apart, length);
+    return cable->message;
 }
 
 /* From the exported state, so that it does not matter in which order values were set. */

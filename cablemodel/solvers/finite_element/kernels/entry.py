@@ -7,14 +7,16 @@ a count; see layout.py for the codes.
 from numba import float64, int64
 
 from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
-from cablemodel.solvers.finite_element.kernels.element import scales, stabilisation
+from cablemodel.solvers.finite_element.kernels.element import stabilisation
 from cablemodel.solvers.finite_element.kernels.floor import floor_memory
 from cablemodel.solvers.finite_element.kernels.line import inertia, swinging, system
 from cablemodel.solvers.finite_element.kernels.mesh import (
     bending_mesh,
     firm_friction,
+    resizing,
     touchdown_mesh,
 )
+from cablemodel.solvers.finite_element.kernels.mesh import lengths as mesh_lengths
 from cablemodel.solvers.finite_element.kernels.outputs import (
     energies,
     interface,
@@ -22,10 +24,16 @@ from cablemodel.solvers.finite_element.kernels.outputs import (
     stations,
 )
 from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
-from cablemodel.solvers.finite_element.kernels.time import promote, statics, stepping, time_stepping
+from cablemodel.solvers.finite_element.kernels.time import (
+    begin,
+    promote,
+    statics,
+    stepping,
+    time_stepping,
+)
 from cablemodel.solvers.shared import environment
 from cablemodel.solvers.shared.access import header, scalars
-from cablemodel.solvers.shared.compile import INTEGERS, REALS, entry_point
+from cablemodel.solvers.shared.compile import INTEGERS, REALS, entry_point, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     NOTHING,
@@ -112,27 +120,65 @@ def halve_at_rest(I, M, node):
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def measure_bends(I, M, out):
-    """By how much elements of a static shape bend: bending_mesh.measure_bends. Returns how many."""
-    bending_mesh.measure_bends(I, M, out)
+    """By how much elements of a static shape bend: begin.bends. Returns how many."""
+    begin.bends(I, M, out)
     return header(I).nodes
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def worst_of_shape(I, M, out):
+    """The most that elements of a static shape bend and stretch: begin.worst_of_shape, 2 words."""
+    begin.worst_of_shape(I, M, out)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def ends_apart(I, M, out):
+    """How far apart ends of lines are that are held: begin.ends_apart. Returns how many lines."""
+    begin.ends_apart(I, M, out)
+    return header(I).line_count
 
 
 @entry_point(int64(INTEGERS, REALS))
 def place_supports(I, M):
     """Write the prescribed motion at the present time into the state."""
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    system.set_time(I, M, state.time)
-    system.impose_motion(
-        I,
-        M,
-        state.time,
-        M[head.position : head.position + count],
-        M[head.velocity : head.velocity + count],
-        M[head.acceleration : head.acceleration + count],
-    )
-    return head.constraint_count
+    begin.place_supports(I, M)
+    return header(I).constraint_count
+
+
+@entry_point(int64(INTEGERS, REALS))
+def hold_supports(I, M):
+    """The same of a shape at rest: begin.hold_supports."""
+    begin.hold_supports(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def rest_here(I, M):
+    """Make the present shape the place of rest: begin.rest_here."""
+    begin.rest_here(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def count_from_zero(I, M):
+    """Forget what finding the start took: begin.count_from_zero."""
+    begin.count_from_zero(I)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def restore_bending(I, M):
+    """Bending as it is before tensions are known: begin.restore_bending."""
+    begin.restore_bending(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def stop_flow(I, M, frame):
+    """A line that a winch pays out as it stands in its shape: begin.stop_flow."""
+    begin.stop_flow(I, M, frame)
+    return 0
 
 
 @entry_point(int64(INTEGERS, REALS, float64))
@@ -152,9 +198,55 @@ def count_swinging(I, M, rate, work):
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
-def measure(I, M, facts):
-    """Write what follows from the lengths of the line: scales.measure_line."""
-    scales.measure_line(I, M, facts)
+def motion_matrices(I, M, out):
+    """Stiffness, damping and mass: swinging.find_matrices. Uses the matrix up."""
+    words = swinging.matrix_words(I)
+    swinging.find_matrices(
+        I, M, view(out, 0, words), view(out, words, words), view(out, 2 * words, words)
+    )
+    return words
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def measure(I, M, lengths, facts):
+    """Write what follows from the lengths of lines as a whole: lengths.measure."""
+    mesh_lengths.measure(I, M, lengths, facts)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def arrange(I, M, lengths):
+    """Complete tables that are filled: lengths.arrange, and elements' stabilisation."""
+    mesh_lengths.arrange(I, M, lengths)
+    mesh_lengths.forget_stabilisation(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def forget_stabilisation(I, M):
+    """Elements as they are before tensions are known: lengths.forget_stabilisation."""
+    mesh_lengths.forget_stabilisation(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def move_start(I, M, move):
+    """Move the tow point's start: resizing.move_start."""
+    resizing.move_start(I, M, move)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def resize_line(I, M, lengths, facts, move):
+    """Give a line alone other lengths and another start: resizing.resize_line."""
+    resizing.resize_line(I, M, lengths, facts, move)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def resize_lines(I, M, lengths, places, grown):
+    """Give the lines of a system other lengths: resizing.resize_lines."""
+    resizing.resize_lines(I, M, lengths, places, grown)
     return 0
 
 
@@ -310,10 +402,23 @@ ENTRY_POINTS = {
     "draw_alike": draw_alike,
     "halve_at_rest": halve_at_rest,
     "measure_bends": measure_bends,
+    "worst_of_shape": worst_of_shape,
+    "ends_apart": ends_apart,
     "place_supports": place_supports,
+    "hold_supports": hold_supports,
+    "rest_here": rest_here,
+    "count_from_zero": count_from_zero,
+    "restore_bending": restore_bending,
+    "stop_flow": stop_flow,
     "count_growing": count_growing,
     "count_swinging": count_swinging,
+    "motion_matrices": motion_matrices,
     "measure": measure,
+    "arrange": arrange,
+    "forget_stabilisation": forget_stabilisation,
+    "move_start": move_start,
+    "resize_line": resize_line,
+    "resize_lines": resize_lines,
     "sample": sample,
     "bodies": bodies,
     "summary": summary,

@@ -208,17 +208,10 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
 
 
 def hold_supports(block: Block) -> None:
-    """Supports of a block at rest, where they are at t = 0.
-
-    The shape is at rest in the vessel's frame; the vessel's acceleration begins after t = 0. With
-    it the force at the top would hold the inertia of a piece as long as the mesh makes it.
-    """
+    """Supports of a block at rest, where they are at t = 0: kernels/time/begin.py."""
     from cablemodel.solvers import library as entry
 
-    words = int(block.header.nodes), 2 * int(block.header.dimension)
-    acceleration = block.array(Header.acceleration, *words).copy()
-    entry.place_supports(block.ints, block.reals)
-    block.array(Header.acceleration, *words)[:] = acceleration
+    entry.hold_supports(block.ints, block.reals)
 
 
 def _start_flowing(block: Block, scene: Scene) -> None:
@@ -255,13 +248,7 @@ def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None
 
 
 def count_from_zero(block: Block) -> None:
-    """Forget what finding the start took: counters, factorisation and history begin with a run."""
-    for counter in (
-        Header.steps.word,
-        Header.rejected.word,
-        Header.factorisations.word,
-        Header.iterations.word,
-    ):
-        block.ints[counter] = 0
-    block.header.factored = 0
-    block.header.has_history = 0
+    """Forget what finding the start took."""
+    from cablemodel.solvers import library as entry
+
+    entry.count_from_zero(block.ints, block.reals)

@@ -69,7 +69,7 @@ from cablemodel.solvers.finite_element.start.scales import (
 )
 from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
 from cablemodel.solvers.finite_element.start.strategies import Strategy, described, strategies
-from cablemodel.solvers.finite_element.start.winch import Winch, winch_of
+from cablemodel.solvers.finite_element.start.winch import Winch, lengths_of, winch_of
 from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
@@ -380,13 +380,15 @@ def _build_on(
     block.header.nodes = line.nodes
     tables.fill_settings(block, scene)
     tables.fill_motion(block, scene.motion().pieces)
-    entry.measure(block.ints, block.reals, tables.facts_of(scene, scale))
+    lengths = lengths_of(scene)
+    entry.measure(block.ints, block.reals, lengths, tables.facts_of(scene, scale))
     tables.fill_current(block, scene)
-    line_tables.fill_cables(block, scene, winch, scale)
+    line_tables.fill_cables(block, scene, winch)
     line_tables.fill_edges(block, scene, line)
-    tables.fill_payout(block, scene, winch)
-    line_tables.fill_bodies(block, scene, line, scale)
+    tables.fill_payout(block, scene)
+    line_tables.fill_bodies(block, scene, line)
     tables.fill_constraints(block, scene, line)
+    entry.arrange(block.ints, block.reals, lengths)
     place_nodes(block, line, guess, scene.line_length)
     sea_floor.fill(block, scene)
     if scene.environment.floor is not None:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.kernels.element.tables import ELEMENT_RIGID, STABILISATION
 from cablemodel.solvers.finite_element.start import sea_floor
 from cablemodel.solvers.finite_element.start.line import Line
 from cablemodel.solvers.finite_element.start.winch import Winch
@@ -24,12 +23,10 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-TABLE_SOFTEST = 3e-5
-"""Its largest axial compliance, in units of that of the line."""
 _MODELS = {"elastica": 0.0, "cable": 1.0, "hybrid": 2.0}
 
 
-def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
+def fill_cables(block: Block, scene: Scene, winch: Winch) -> None:
     """A row for every cable of line and drum, outermost first, with the edge that it is made of."""
     strain = block.array(Header.strain, int(block.header.strain_words))
     used = 0
@@ -39,14 +36,12 @@ def fill_cables(block: Block, scene: Scene, winch: Winch, scale: float) -> None:
         strain[used : used + len(coefficients)] = coefficients
         offset = int(block.header.strain) + used
         used += len(coefficients)
-        row[at.Cable.leaves] = winch.leaves[index]
         row[at.Cable.nominal] = winch.nominal[index]
-        row[at.Cable.shortest] = winch.shortest[index]
         row[at.Cable.hinge] = float(winch.hinges[index])
         row[at.Cable.body] = winch.bodies[index]
         diameter = scene.cable_types[cable.type].diameter
         row[at.Cable.displaced] = scene.environment.water_density * 0.25 * math.pi * diameter**2
-        row[at.Cable.edge :] = edge_row(scene, cable, index, offset, scale)
+        row[at.Cable.edge :] = edge_row(scene, cable, index, offset)
         row[at.Cable.edge.word + at.Edge.nominal.word] = winch.nominal[index]
         note_choices(block, row[at.Cable.edge :])
     block.winch.cable = len(scene.cables) - 1
@@ -59,10 +54,8 @@ def note_choices(block: Block, edge: FloatArray) -> None:
         block.header.hybrid = 1
 
 
-def edge_row(
-    scene: CableScene, cable: Cable, segment: int, strain_offset: int, scale: float
-) -> FloatArray:
-    """A row of the edge table for elements of a cable, without length and place."""
+def edge_row(scene: CableScene, cable: Cable, segment: int, strain_offset: int) -> FloatArray:
+    """A row of the edge table for elements of a cable, without length, place and stabilisation."""
     rho = scene.environment.water_density
     kind = scene.cable_types[cable.type]
     row = np.zeros(at.EDGE_WORDS)
@@ -82,7 +75,6 @@ def edge_row(
     row[at.Edge.tension_low : at.Edge.tension_high.word + 1] = strain_range(
         kind.strain_coefficients
     )
-    row[at.Edge.stabilisation] = min(STABILISATION * scale, 1.0 / kind.strain_coefficients[0])
     row[at.Edge.bending_full] = 0.0 if cable.model == "cable" else kind.bending_stiffness
     row[at.Edge.model] = _MODELS[cable.model]
     row[at.Edge.flexible] = float(row[at.Edge.bending_full] == 0.0)
@@ -108,21 +100,19 @@ def fill_edges(block: Block, scene: Scene, line: Line) -> None:
         edges[node, at.Edge.start] = line.start[node]
         if scene.environment.floor is None:
             edges[node, at.Edge.nominal] = line.length[node]
-    block.winch.top_length = line.length[1]
 
 
-def fill_bodies(block: Block, scene: Scene, line: Line, scale: float) -> None:
-    """A row for every body of line and drum. scale: a typical tension [N]."""
+def fill_bodies(block: Block, scene: Scene, line: Line) -> None:
+    """A row for every body of line and drum."""
     rho = scene.environment.water_density
     table = block.array(Header.bodies, len(line.bodies), at.BODY_WORDS)
     for row, (node, body, place) in zip(table, line.bodies, strict=True):
         fill_body(row, node, body, rho)
         row[at.Body.item] = place
         if body.half_length > 0.0:
-            _fill_rigid(row, body, scene, scale)
+            _fill_rigid(row, body, scene)
             block.header.rigid += 1
-            if place == len(scene.line) - 1:
-                row[at.Body.tie] = scale * row[at.Body.length]
+            row[at.Body.tie] = place == len(scene.line) - 1  # how stiff it is follows
 
 
 def fill_body(row: FloatArray, node: int, body: Body, rho: float) -> None:
@@ -137,17 +127,9 @@ def fill_body(row: FloatArray, node: int, body: Body, rho: float) -> None:
     row[at.Body.support.span] = 1.0
 
 
-def _fill_rigid(row: FloatArray, body: Body, scene: Scene, scale: float) -> None:
+def _fill_rigid(row: FloatArray, body: Body, scene: Scene) -> None:
     """What a body of finite length has more than a point body."""
     row[at.Body.length] = 2.0 * body.half_length
     row[at.Body.offset] = body.centre_offset
     row[at.Body.inertia] = body.rotary_inertia
     row[at.Body.dry_weight] = body.mass * scene.environment.gravity
-    row[at.Body.clamp_tension.span] = scale  # until the tensions are known
-    stretch = math.fsum(
-        scene.cable_types[cable.type].strain_coefficients[0] * cable.length
-        for cable in scene.cables
-    )
-    row[at.Body.compliance] = min(
-        row[at.Body.length] / (ELEMENT_RIGID * scale), TABLE_SOFTEST * stretch
-    )

@@ -70,7 +70,7 @@ def spare_nodes(scene: Scene, nodes: int, longest: float) -> int:
 
 
 def bends_of(block: Block) -> FloatArray:
-    """By how much each element of a static shape bends (nodes,) [m]: the kernels' measure_bends."""
+    """By how much each element of a static shape bends (nodes,), in tau times its line's length."""
     from cablemodel.solvers import library
 
     found = np.empty(int(block.header.nodes))
@@ -82,7 +82,7 @@ def refined(block: Block, scene: Scene, nodes: list[FloatArray]) -> list[FloatAr
     """Cables' nodes with those elements halved that a static shape bends too much; None: done."""
     count = int(block.header.nodes)
     joints = block.integers(Header.joint, count)
-    split = bends_of(block) > REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
+    split = bends_of(block) > REFINEMENT_BENT
     if not split.any() or count > LARGEST_STATIC_MESH:
         return None
     fixed = [cable.elements is not None for cable in scene.cables]

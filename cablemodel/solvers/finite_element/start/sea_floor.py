@@ -256,10 +256,10 @@ def place_of_rest(block: Block, scene: Scene) -> None:
 
 
 def rest_where_it_is(block: Block) -> None:
-    """Make the present positions and slopes those of rest: no friction yet."""
-    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    q = block.array(Header.position, nodes, 2 * dimension)
-    block.array(Header.rest, nodes, 2 * dimension)[:] = q
+    """Make the present places and slopes those of rest: kernels/time/begin.py."""
+    from cablemodel.solvers import library as entry
+
+    entry.rest_here(block.ints, block.reals)
 
 
 def check(scene: Scene, points: FloatArray) -> None:

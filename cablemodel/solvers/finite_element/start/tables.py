@@ -13,7 +13,6 @@ from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.line import Line
 from cablemodel.solvers.finite_element.start.refinement import mesh_is_free
 from cablemodel.solvers.finite_element.start.scales import is_flexible, pays_out, start_conditions
-from cablemodel.solvers.finite_element.start.winch import Winch
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 
@@ -43,20 +42,16 @@ def fill_settings(block: Block, scene: CableScene) -> None:
 
 
 def facts_of(scene: Scene, scale: float) -> FloatArray:
-    """What `kernels/element/scales.py` wants to know of the line, the words of LineFacts. scale: a
-    typical tension [N]."""
+    """What `kernels/mesh/lengths.py` wants to know of the line besides its lengths, the words of
+    LineFacts. scale: a typical tension [N]."""
     start = start_conditions(scene)
-    softness = masses = 0.0
+    masses = 0.0
     for cable in scene.cables:
-        kind = scene.cable_types[cable.type]
-        softness += kind.strain_coefficients[0] * cable.length
-        masses += kind.mass * cable.length
+        masses += scene.cable_types[cable.type].mass * cable.length
     words = np.zeros(at.FACT_WORDS)
     facts = at.LineFacts(words, 0)
-    facts.length = scene.line_length
-    facts.damping = start.damping
-    facts.softness = softness
     facts.mass = masses + math.fsum(body.mass for body in scene.bodies)
+    facts.memory = 1.0
     facts.tension = scale
     facts.slack = start.slack
     above_floor = scene.environment.floor is not None
@@ -96,15 +91,12 @@ def fill_current(block: Block, scene: CableScene) -> None:
     block.array(Header.current, times, depths, 3)[:] = current.velocity
 
 
-def fill_payout(block: Block, scene: Scene, winch: Winch) -> None:
-    """The table of the pay-out's rate, and what it may reach."""
+def fill_payout(block: Block, scene: Scene) -> None:
+    """The table of the pay-out's rate."""
     rates = scene.payout.rate
     block.header.payout = int(pays_out(scene))
     row = block.winch
     row.way, row.rates = 1.0, len(rates)
-    row.paid_most = winch.most
-    row.travel_most = winch.most_travel
-    row.travel_least = winch.least_travel
     block.array(Header.rates, len(rates), at.RATE_WORDS)[:] = [(row.t, row.rate) for row in rates]
 
 
@@ -118,7 +110,6 @@ def fill_constraints(block: Block, scene: Scene, line: Line) -> None:
     if scene.end.kind == "anchor":
         ends.append((line.nodes - 1, at.HELD_BY_ANCHOR, scene.end.connection))
     dimension = int(block.header.dimension)
-    block.scalars.clamp_tension = block.scalars.tension_scale  # until the tension is known
     for row, (node, kind, connection) in zip(table, ends, strict=True):
         row[at.Constraint.node] = node
         row[at.Constraint.kind] = kind

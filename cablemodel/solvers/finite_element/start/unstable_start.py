@@ -120,18 +120,13 @@ def stays(block: Block, scene: Scene) -> bool:
 
 
 def _without_flow(block: Block, scene: Scene) -> Block:
-    """The block with cable that stands still in its shape, where a winch pays out: the drag's
-    derivatives are then those of a shape that turns, along which the flow turns with it."""
+    """The block with cable that stands still in its shape, where a winch pays out."""
+    from cablemodel.solvers import library as entry
+
     if scene.rate_at_start == 0.0:
         return block
     still = copy.deepcopy(block)
-    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    velocity = still.array(Header.velocity, nodes, 2 * dimension)
-    moves = np.any(velocity[:, :dimension] != 0.0, axis=1)  # what has been laid does not
-    velocity[:] = 0.0
-    velocity[moves, :dimension] = steady_velocity(block, scene)
-    still.array(Header.acceleration, nodes, 2 * dimension)[:] = 0.0
-    still.winch.rate = 0.0
+    entry.stop_flow(still.ints, still.reals, steady_velocity(block, scene))
     return still
 
 

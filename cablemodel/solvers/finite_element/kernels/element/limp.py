@@ -48,7 +48,13 @@ from cablemodel.solvers.shared.access import (
     spare_row,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, view
-from cablemodel.solvers.shared.layout import FLOOR_FAR, FLOOR_TOUCHED, JOINT_ROOT, LAID_SLACK
+from cablemodel.solvers.shared.layout import (
+    FLOOR_FAR,
+    FLOOR_TOUCHED,
+    JOINT_ROOT,
+    LAID_SLACK,
+    LimpRows,
+)
 
 BORNE = 0.1  # of what tensions may be wrong by: pressure that shortens a limp element to nothing
 FOLDED = 5.0  # of w (EI/w)^(1/3): what a heavy elastica that is fed onto a floor pushes back with
@@ -60,7 +66,8 @@ SLOWER_FOLDED = 0.1  # than tension: pressure where the mesh follows what folds
 HALVED_BELOW = 0.75  # of the length with which an element was made: a shorter one has been halved
 FOLDS_WITHIN = 1e-4  # tau down to which cable of undamped material does: below, blows do not end
 SNAPS = 0.05  # of its line: element of cable that is slack, at tau = 1e-3
-ROW_HUNG, ROW_BELOW, ROW_ABOVE, ROW_HELD = range(4)
+ROW_HUNG, ROW_BELOW = LimpRows.hung.word, LimpRows.below.word
+ROW_ABOVE, ROW_HELD = LimpRows.above.word, LimpRows.held.word
 SHORTER = 0.5  # by which a blow of the largest tension makes cable that hangs
 
 

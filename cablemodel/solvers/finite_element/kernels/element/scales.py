@@ -91,7 +91,8 @@ def measure_line(I, M, words):
         allowed *= UNDAMPED * math.sqrt(tolerance / 1e-3)
     elif undamped:
         allowed *= LIGHTLY_DAMPED
-    state.time_tolerance = allowed
+    # Of every line tau times its own length is promised: the shortest one decides.
+    state.time_tolerance = allowed * (facts.shortest / length)
     state.length = length
     # What starts slack where drag hardly damps cracks, to no end: its mesh stays. Others there have
     # halves that are not joined again: that would feed a whip that hardly stretches; above a floor
@@ -115,7 +116,8 @@ def measure_line(I, M, words):
     state.period = period
     state.memory = 0.0
     if rho > 0.0 and not (facts.bends != 0.0 and slack and undamped):
-        state.memory = MEMORY * period
+        # A heavy body swings on where drag has long stopped a cable: what it misses adds up.
+        state.memory = MEMORY * period * facts.memory
     state.first_step = 0.02 * period
     state.step = first_step(I, M, period, facts.calm != 0.0 and not slack and not undamped)
     state.smallest_step = 1e-10 * period

@@ -36,7 +36,8 @@ EVEN_SPREAD = 0.6180339887498949  # multiples of it are spread evenly over 0 ...
 @kernel
 def matrix_words(I):
     """Words of one matrix: of each node its own block, its parent's row and its own."""
-    return 108 * header(I).nodes
+    head = header(I)
+    return 12 * head.dimension * head.dimension * head.nodes
 
 
 @kernel
@@ -50,11 +51,41 @@ def assemble_into(I, M, cv, ca, less, share, out):
     """Out of a matrix K + cv C + ca M another one, times a share."""
     head = header(I)
     assemble_here(I, M, cv, ca)
-    area = 36 * head.nodes
+    area = 4 * head.dimension * head.dimension * head.nodes
     for part in range(3):
         start = head.diagonal if part == 0 else head.upper if part == 1 else head.lower
         for n in range(area):
             out[area * part + n] = share * (M[start + n] - less[area * part + n])
+
+
+@kernel
+def largest_of(I, A):
+    """The largest entry of a matrix's diagonal."""
+    head = header(I)
+    size = 2 * head.dimension
+    largest = 0.0
+    for n in range(size * head.nodes):
+        largest = max(largest, abs(A[size * n + n % size]))
+    return largest
+
+
+@outlined
+def find_matrices(I, M, stiffness, damping, mass):
+    """Stiffness, damping and mass over all nodes' places and slopes, each with what ties a node to
+    its parent; tension is condensed out, what holds nodes left out. The matrix is used up."""
+    for n in range(matrix_words(I)):
+        stiffness[n] = 0.0
+    assemble_into(I, M, 0.0, 0.0, stiffness, 1.0, stiffness)
+    stiffest = largest_of(I, stiffness)
+    for part in range(2):
+        out = mass if part == 0 else damping
+        ca = 1.0 if part == 0 else 0.0
+        assemble_into(I, M, 1.0 - ca, ca, stiffness, 1.0, out)
+        # A large factor keeps it from drowning in the stiffness.
+        factor = max(1.0, stiffest / max(largest_of(I, out), 1e-30))
+        if part == 1 and header(I).free_count != 0:
+            factor = min(factor, SLOW_DAMPING)
+        assemble_into(I, M, factor * (1.0 - ca), factor * ca, stiffness, 1.0 / factor, out)
 
 
 @kernel
@@ -73,12 +104,10 @@ def put_matrix(I, M, a, A, b, B):
 
 
 @outlined
-def multiply(I, M, A, x, stiffness, out):
-    """out = A x; stiffness: A is that, and clamps at bodies have a part in it."""
+def add_product(I, A, area, x, out):
+    """out += A x in space; A: of each node its own block, and `area` words on what ties its parent
+    to it, and it to its parent."""
     head = header(I)
-    area = 36 * head.nodes
-    for n in range(6 * head.nodes):
-        out[n] = 0.0
     for node in range(head.nodes):
         joint = I[head.joint + node]
         tied = node > 0 and (joint == JOINT_NONE or joint == JOINT_BODY)
@@ -91,6 +120,15 @@ def multiply(I, M, A, x, stiffness, out):
                 if tied:
                     out[above + i] += A[area + at] * x[own + j]
                     out[own + i] += A[2 * area + at] * x[above + j]
+
+
+@kernel
+def multiply(I, M, A, x, stiffness, out):
+    """out = A x; stiffness: A is that, and clamps at bodies have a part in it."""
+    head = header(I)
+    for n in range(6 * head.nodes):
+        out[n] = 0.0
+    add_product(I, A, 36 * head.nodes, x, out)
     if not stiffness:
         return
     for n in range(head.closure_count):
@@ -191,25 +229,7 @@ def count_swinging(I, M, rate, work):
     mass = view(work, start + 2 * words, words)
     small = view(work, start + 3 * words, 12 * MOTIONS * MOTIONS)
     lift_pressed(I, M)
-    for n in range(words):
-        stiffness[n] = 0.0
-    assemble_into(I, M, 0.0, 0.0, stiffness, 1.0, stiffness)
-    stiffest = 0.0
-    for node in range(head.nodes):
-        for i in range(6):
-            stiffest = max(stiffest, abs(stiffness[36 * node + 7 * i]))
-    for part in range(2):
-        out = mass if part == 0 else damping
-        ca = 1.0 if part == 0 else 0.0
-        assemble_into(I, M, 1.0 - ca, ca, stiffness, 1.0, out)
-        largest = 1e-30
-        for node in range(head.nodes):
-            for i in range(6):
-                largest = max(largest, abs(out[36 * node + 7 * i]))
-        factor = max(1.0, stiffest / largest)  # that stiffness does not drown it
-        if part == 1 and head.free_count != 0:
-            factor = min(factor, SLOW_DAMPING)
-        assemble_into(I, M, factor * (1.0 - ca), factor * ca, stiffness, 1.0 / factor, out)
+    find_matrices(I, M, stiffness, damping, mass)
     # The symmetric part of the mass, and the matrix of the motions.
     put_matrix(I, M, 1.0, mass, 0.0, mass)
     make_symmetric(I, M)

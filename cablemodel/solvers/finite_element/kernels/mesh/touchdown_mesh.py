@@ -51,6 +51,7 @@ from cablemodel.solvers.shared.layout import (
     NOTHING,
     OFF_THE_DRUM,
     OK,
+    MeshRows,
 )
 
 TOUCHDOWN_AHEAD = 0.5  # growth of the wanted length per height above the floor
@@ -66,7 +67,9 @@ SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
 TOUCHDOWN_FINEST, PUSHED = 8.0, 32.0  # of tau L: straighter and shorter stays whole; if pressed
 SHORTEST_TOP = 0.4  # of the longest element of its cable at the start: a longer top one is halved
 TOUCHDOWN_UNEVEN = 0.05  # of its length: what the halves of an element that is halved may differ by
-ROW_GAPS, ROW_BEHIND, ROW_JUMPS, ROW_WANTED, ROW_PROMISED, ROW_SPARE, ROW_WAYS = range(7)
+ROW_GAPS, ROW_BEHIND, ROW_JUMPS = MeshRows.gaps.word, MeshRows.behind.word, MeshRows.jumps.word
+ROW_WANTED, ROW_PROMISED = MeshRows.wanted.word, MeshRows.promised.word
+ROW_SPARE, ROW_WAYS = MeshRows.spare.word, MeshRows.ways.word
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
 
 

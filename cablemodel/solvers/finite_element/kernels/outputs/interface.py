@@ -4,6 +4,7 @@ All kernels use the block up: whoever asks works on a copy.
 """
 
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
+from cablemodel.solvers.finite_element.kernels.line.swinging import add_product
 from cablemodel.solvers.finite_element.kernels.line.system import (
     assemble_here,
     factorise,
@@ -142,23 +143,15 @@ def wrenches_when_moved(I, M, length, out):
 
 
 @kernel
-def add_product(I, M, x, y):
-    """y += (assembled matrix) x; a hinge is where its parent is."""
+def add_assembled(I, M, x, y):
+    """y += (assembled matrix) x of a line alone; a hinge is where its parent is."""
     head = header(I)
     for node in range(1, head.nodes):
         if I[head.joint + node] == JOINT_HINGE:
             for i in range(3):
                 x[6 * node + i] = x[6 * I[head.parent + node] + i]
-    for node in range(head.nodes):
-        tied = node > 0 and I[head.joint + node] != JOINT_HINGE
-        parent = 6 * I[head.parent + node] if tied else 0
-        for i in range(6):
-            for j in range(6):
-                at = 36 * node + 6 * i + j
-                y[6 * node + i] += M[head.diagonal + at] * x[6 * node + j]
-                if tied:
-                    y[parent + i] += M[head.upper + at] * x[6 * node + j]
-                    y[6 * node + i] += M[head.lower + at] * x[parent + j]
+    area = head.upper - head.diagonal
+    add_product(I, view(M, head.diagonal, 3 * area), area, x, y)
 
 
 @kernel
@@ -191,7 +184,7 @@ def response_to_motion(I, M, words, out):
             else:
                 x[i] = of_damping if part == 1 else of_mass
         assemble_here(I, M, cv if part == 1 else 0.0, ca if part == 2 else 0.0)
-        add_product(I, M, x, y)
+        add_assembled(I, M, x, y)
     failed = factorise(
         I,
         M,
@@ -211,7 +204,7 @@ def response_to_motion(I, M, words, out):
         forces[n] = y[n]
     increment(I, M, forces, constraint, solution)
     assemble_here(I, M, cv, ca)
-    add_product(I, M, solution, y)
+    add_assembled(I, M, solution, y)
     for i in range(3):
         out[i] = -force_at_top(I, y, i)
     return 0

@@ -36,7 +36,6 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     dies_away,
     gives_way,
     may_be_solved_for,
-    region,
     solve_for_tension,
 )
 from cablemodel.solvers.finite_element.kernels.time.waves import (
@@ -58,6 +57,7 @@ from cablemodel.solvers.shared.access import (
     free_body_of,
     header,
     scalars,
+    spare_row,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
@@ -113,7 +113,7 @@ def least_allowed(I, M, root, end):
     Where lines close a cycle, others bear a part of that, as they do of its weight.
     """
     head = header(I)
-    s = region(I, SOFTNESS)
+    s = spare_row(I, SOFTNESS)
     own = s + head.nodes
     beyond = own + head.nodes
     closed = beyond + head.nodes
@@ -153,7 +153,7 @@ def axial_mode(I, M, held):
     head = header(I)
     nodes = head.nodes
     root, end = tree_of(I, held)
-    s = region(I, SOFTNESS)  # displacement of each node, by a unit of gravity
+    s = spare_row(I, SOFTNESS)  # displacement of each node, by a unit of gravity
     own = s + nodes  # mass at each node
     beyond = own + nodes  # and what hangs below it
     own_masses(I, M, own)
@@ -274,8 +274,8 @@ def begin_rings(I, M, dt):
         made = min(made + row.ring, most)
         count = 2 * head.dimension * head.nodes
         if faster == 0.0 and may_be_solved_for(I, M):
-            copy_words(I, region(I, SOLVED_A), head.acceleration, count)
-            copy_words(I, region(I, STRAINED), head.tension_rate, 2 * head.nodes)
+            copy_words(I, spare_row(I, SOLVED_A), head.acceleration, count)
+            copy_words(I, spare_row(I, STRAINED), head.tension_rate, 2 * head.nodes)
             tension = view(M, head.tension, 2 * head.nodes)
             q = view(M, head.position, count)
             v = view(M, head.velocity, count)

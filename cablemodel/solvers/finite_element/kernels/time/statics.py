@@ -32,15 +32,18 @@ from cablemodel.solvers.finite_element.kernels.water.flow import (
     flow_residual,
     laid_share,
 )
-from cablemodel.solvers.shared.access import edge_of, header, scalars, vector, winch_of
+from cablemodel.solvers.shared.access import edge_of, header, scalars, spare_row, vector, winch_of
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_NONE,
     FLOOR_TOUCHED,
     OK,
     STATICS_FAILED,
+    SearchRows,
 )
 
+ROW_PLACES, ROW_TENSIONS = SearchRows.places.word, SearchRows.tensions.word
+ROW_BORE = SearchRows.bore.word
 LARGEST_STEPS = 2000
 LONGEST_PSEUDO_STEP = 1e7
 LONGEST_WITH_BODIES = 1e4  # first steps: longer ones let rounding turn a body that nothing holds
@@ -64,8 +67,10 @@ def find_equilibrium(I, M, frame):
     head = header(I)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
-    copy_words(I, head.stage_velocity, head.position, count)
-    copy_words(I, head.stage_acceleration, head.tension, words)
+    first_places = spare_row(I, ROW_PLACES)
+    first_tensions = spare_row(I, ROW_TENSIONS)
+    copy_words(I, first_places, head.position, count)
+    copy_words(I, first_tensions, head.tension, words)
     status = STATICS_FAILED
     if head.floor_kind != FLOOR_NONE:
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
@@ -73,8 +78,8 @@ def find_equilibrium(I, M, frame):
     forget_limp(I, M)  # what a search passes through is not what bends aside
     for attempt in range(1 if few else 4):
         if attempt > 0:
-            copy_words(I, head.position, head.stage_velocity, count)
-            copy_words(I, head.tension, head.stage_acceleration, words)
+            copy_words(I, head.position, first_places, count)
+            copy_words(I, head.tension, first_tensions, words)
         status = relax(I, M, frame, attempt < 2, attempt % 2 == 1)
         if status == OK:
             break
@@ -133,7 +138,7 @@ def relax(I, M, frame, damped, strict):
     calm = 0
     still = 0
     rounds = 0
-    bore = view(M, head.stage_acceleration + 2 * nodes, nodes)  # what the floor did, before
+    bore = view(M, spare_row(I, ROW_BORE), nodes)  # what the floor did, before
     halvings = LOAD_HALVINGS  # of the last change of that, while no step has followed it
     pressed = 0.0  # by how much more the floor was pressed than it bore
     share = 1.0

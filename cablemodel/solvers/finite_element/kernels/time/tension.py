@@ -46,11 +46,18 @@ from cablemodel.solvers.shared.access import (
     free_body_of,
     header,
     scalars,
+    spare_row,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_rate, surge_jump
+from cablemodel.solvers.shared.layout import FilterRows, SolvedRows
 
+ROW_LEFT, ROW_MOTION = FilterRows.left.word, FilterRows.accelerations.word
+SOLVED_Q, SOLVED_V = SolvedRows.places.word, SolvedRows.velocities.word
+SOLVED_A, SOLVED_T = SolvedRows.accelerations.word, SolvedRows.tensions.word
+SOLVED_RATE, CURVED = SolvedRows.rates.word, SolvedRows.curved.word
+STRAINED, SOFTNESS = SolvedRows.strained.word, SolvedRows.softness.word
 PROMISED = 0.5  # of the error of tension that is promised
 TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
@@ -130,10 +137,10 @@ def stage_scatter(I, M, node, scheme):
 @kernel
 def stretch_tensions(I, M, x):
     """What a motion x of the nodes changes of the elements' tensions by stretching them [N], into
-    the workspace of the stages' velocities."""
+    `left` of FilterRows."""
     head = header(I)
     constraint = view(M, head.constraint_residual, 2 * head.nodes)
-    change = view(M, head.stage_velocity, 2 * head.nodes)
+    change = view(M, spare_row(I, ROW_LEFT), 2 * head.nodes)
     constraint[:] = 0.0
     change[:] = 0.0
     recover_tension(I, M, constraint, x, change, False)
@@ -150,7 +157,7 @@ def filter_motion(I, M, motion, gamma_dt):
     forces = view(M, head.residual, count)
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, count)
-    a = view(M, head.stage_acceleration, count)
+    a = view(M, spare_row(I, ROW_MOTION), count)
     inverse2 = 1.0 / (gamma_dt * gamma_dt)
     for n in range(count):
         a[n] = M[head.trial_acceleration + n] - inverse2 * motion[n]
@@ -174,9 +181,10 @@ def find_embedded_errors(I, M, error, gamma_dt, bound):
     """
     head = header(I)
     filter_motion(I, M, error, gamma_dt)
+    left_in = spare_row(I, ROW_LEFT)
     largest = 0.0
     for node in range(1, watched(I)):
-        left = M[head.stage_velocity + 2 * node]
+        left = M[left_in + 2 * node]
         M[head.stage_tensions + 6 * node + 5] = left
         largest = max(largest, abs(left) / allowed_at(I, M, node))
     if largest <= bound:
@@ -194,7 +202,7 @@ def embedded_error(I, M, node, scatter):
     head = header(I)
     allowed = allowed_at(I, M, node)
     left = abs(M[head.stage_tensions + 6 * node + 5]) / allowed
-    again = abs(M[head.stage_velocity + 2 * node]) / allowed
+    again = abs(M[spare_row(I, ROW_LEFT) + 2 * node]) / allowed
     return left, min(1.0, again / max(left, UNEXPLAINED * scatter))
 
 
@@ -351,20 +359,6 @@ def may_be_solved_for(I, M):
     return True
 
 
-@inlined
-def region(I, n):
-    """Word of the n-th region of 6 words a node in the workspace of the stages, of eight."""
-    head = header(I)
-    words = 6 * head.capacity
-    if n < 4:
-        return head.stage_velocity + n * words
-    return head.stage_acceleration + (n - 4) * words
-
-
-# These regions: what is solved for, then what that takes.
-SOLVED_Q, SOLVED_V, SOLVED_A, SOLVED_T, SOLVED_RATE, CURVED, STRAINED, SOFTNESS = range(8)
-
-
 @kernel
 def stiffen(I, M, ca):
     """Make the line all but inextensible in a matrix whose mass is ca times that of the line.
@@ -376,7 +370,7 @@ def stiffen(I, M, ca):
     state = scalars(M)
     soft = TENSION_RIGID / (ca * inertia(I, M))
     length = state.length
-    kept = region(I, SOFTNESS)
+    kept = spare_row(I, SOFTNESS)
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         M[kept + node] = edge.compliance
@@ -392,7 +386,7 @@ def stiffen(I, M, ca):
 def soften(I, M):
     """Undo `stiffen`."""
     head = header(I)
-    kept = region(I, SOFTNESS)
+    kept = spare_row(I, SOFTNESS)
     for node in range(1, head.nodes):
         edge_of(I, M, node).compliance = M[kept + node]
     for body in range(head.body_count):
@@ -416,12 +410,12 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     state = scalars(M)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
-    solved_q = view(M, region(I, SOLVED_Q), count)
-    solved_v = view(M, region(I, SOLVED_V), count)
-    a = view(M, region(I, SOLVED_A), count)
-    solved = view(M, region(I, SOLVED_T), words)
-    curved = view(M, region(I, CURVED), words)
-    strained = view(M, region(I, STRAINED), words)
+    solved_q = view(M, spare_row(I, SOLVED_Q), count)
+    solved_v = view(M, spare_row(I, SOLVED_V), count)
+    a = view(M, spare_row(I, SOLVED_A), count)
+    solved = view(M, spare_row(I, SOLVED_T), words)
+    curved = view(M, spare_row(I, CURVED), words)
+    strained = view(M, spare_row(I, STRAINED), words)
     forces = view(M, head.residual, count)
     constraint = view(M, head.constraint_residual, words)
     x = view(M, head.increment, count)
@@ -498,17 +492,17 @@ def solve_at_end(I, M, dt):
     state = scalars(M)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
-    copy_words(I, region(I, SOLVED_A), head.trial_acceleration, count)
+    copy_words(I, spare_row(I, SOLVED_A), head.trial_acceleration, count)
     tension = view(M, head.trial_tension, words)
-    rate = view(M, region(I, STRAINED), words)
+    rate = view(M, spare_row(I, STRAINED), words)
     for n in range(words):
         rate[n] = (tension[n] - M[head.tension + n]) / dt
     q = view(M, head.trial_position, count)
     v = view(M, head.trial_velocity, count)
     change, _moving = solve_for_tension(I, M, state.time + dt, SHORT * dt, q, v, tension)
     for n in range(words):
-        solved = M[region(I, SOLVED_T) + n]
-        M[region(I, SOLVED_RATE) + n] = (solved - M[head.tension + n]) / dt
+        solved = M[spare_row(I, SOLVED_T) + n]
+        M[spare_row(I, SOLVED_RATE) + n] = (solved - M[head.tension + n]) / dt
     return change
 
 
@@ -530,10 +524,10 @@ def rings(I, M, dt):
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
     tension = view(M, head.tension, words)
-    rate = view(M, region(I, STRAINED), words)
+    rate = view(M, spare_row(I, STRAINED), words)
     for n in range(words):
-        rate[n] = (M[region(I, SOLVED_T) + n] - tension[n]) / dt
-    copy_words(I, region(I, SOLVED_A), head.acceleration, count)
+        rate[n] = (M[spare_row(I, SOLVED_T) + n] - tension[n]) / dt
+    copy_words(I, spare_row(I, SOLVED_A), head.acceleration, count)
     q = view(M, head.position, count)
     v = view(M, head.velocity, count)
     change, moving = solve_for_tension(I, M, state.time, SHORT * dt, q, v, tension)
@@ -545,11 +539,11 @@ def take_solved(I, M):
     """Make what was solved for the state: it does not ring."""
     head = header(I)
     count = 2 * head.dimension * head.nodes
-    copy_words(I, head.position, region(I, SOLVED_Q), count)
-    copy_words(I, head.velocity, region(I, SOLVED_V), count)
-    copy_words(I, head.acceleration, region(I, SOLVED_A), count)
-    copy_words(I, head.tension, region(I, SOLVED_T), 2 * head.nodes)
-    copy_words(I, head.tension_rate, region(I, SOLVED_RATE), 2 * head.nodes)
+    copy_words(I, head.position, spare_row(I, SOLVED_Q), count)
+    copy_words(I, head.velocity, spare_row(I, SOLVED_V), count)
+    copy_words(I, head.acceleration, spare_row(I, SOLVED_A), count)
+    copy_words(I, head.tension, spare_row(I, SOLVED_T), 2 * head.nodes)
+    copy_words(I, head.tension_rate, spare_row(I, SOLVED_RATE), 2 * head.nodes)
     head.settled = 1
     head.has_history = 0  # the two-step scheme would differentiate what was solved for
 

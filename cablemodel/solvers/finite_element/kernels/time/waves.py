@@ -24,7 +24,7 @@ from cablemodel.solvers.finite_element.kernels.element.stabilisation import soft
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
-from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR, SOFTNESS, region
+from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR, SOFTNESS
 from cablemodel.solvers.shared.access import (
     body_of,
     constraint_of,
@@ -32,6 +32,7 @@ from cablemodel.solvers.shared.access import (
     free_body_of,
     header,
     scalars,
+    spare_row,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel
@@ -102,7 +103,7 @@ def times_of_sound(I, M, held):
     the one that it comes to last."""
     head = header(I)
     root, end = tree_of(I, held)
-    times = region(I, SOFTNESS)
+    times = spare_row(I, SOFTNESS)
     M[times + root] = 0.0
     farthest = root
     for node in range(root + 1, end):
@@ -197,7 +198,7 @@ def begin_wave(I, M, row, jump, allowed):
     root, end, farthest = times_of_sound(I, M, int(row.node))
     if runs_through(I, M, root, end) or something_between(I, M, root, end, farthest):
         return
-    lasts = M[region(I, SOFTNESS) + farthest]
+    lasts = M[spare_row(I, SOFTNESS) + farthest]
     new = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
     made = new + row.wave
     if ALL_WAVES * made <= allowed:
@@ -223,7 +224,7 @@ def speed_of_stretch(I, M, row, dt):
     beside that which grows linearly with the time of sound from that end to the farthest [m/s]."""
     head = header(I)
     root, end, farthest = times_of_sound(I, M, int(row.node))
-    times = region(I, SOFTNESS)
+    times = spare_row(I, SOFTNESS)
     speeds = times + head.nodes
     M[speeds + root] = 0.0
     for node in range(root + 1, end):

@@ -1,0 +1,93 @@
+/* The state at the start that belongs to the values set: what it is judged by, of a line (lengths.c) or a
+   system (system_start.c). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cable.h"
+
+/* How far a shape is from what its elements can follow. */
+Shape shape_of(const Cable *cable) {
+    Shape found = {0};
+    cablemodel_worst_of_shape(cable->I, cable->block_words, (double *)&found, sizeof found / 8);
+    found.bent /= BENT;
+    return found;
+}
+
+/* What is to be told of a start that was found anew, where the exported one was not like that. */
+void judge_shape(Cable *cable, const Shape *before) {
+    const Shape now = shape_of(cable);
+    cable->bent = now.bent > fmax(FAR_TOO_BENT, before->bent) ? now.bent : 0.0;
+    cable->stretched = now.stretched > fmax(LARGE_STRAIN, before->stretched) ? now.stretched : 0.0;
+}
+
+int64_t *copy_of_image(const Cable *cable) {
+    int64_t *copy = malloc(8 * (size_t)cable->image_words);
+    if (copy != NULL) memcpy(copy, cable->I, 8 * (size_t)cable->image_words);
+    return copy;
+}
+
+void give_back(Cable *cable, const int64_t *image) {
+    memcpy(cable->I, image, 8 * (size_t)cable->image_words);
+}
+
+/* How many small motions about a start grow by themselves: `instability` of
+   cablemodel/systems/stability.py, `stays` of cablemodel/solvers/finite_element/start/unstable_start.py.
+   0: none; -1: it cannot be told. */
+static int64_t count_growing(Cable *cable) {
+    const double rate = SLOWEST / scalars(cable->M)->period;
+    double frame[3];
+    int64_t *kept = copy_of_image(cable);
+    if (kept == NULL) return -1;
+    frame_of_rest(cable, frame);
+    cablemodel_stop_flow(cable->I, cable->block_words, frame, header(cable->I)->dimension);
+    int64_t found = cablemodel_count_growing(cable->I, cable->block_words, rate);
+    give_back(cable, kept);
+    if (is_system(cable->I) && (found != 0 || header(cable->I)->foil_count > 0)) {
+        double none[1];
+        const int64_t words = cablemodel_count_swinging(cable->I, cable->block_words, rate, none, 1);
+        double *work = malloc(sizeof(double) * (size_t)words);
+        found = work == NULL ? -1 : cablemodel_count_swinging(cable->I, cable->block_words, rate, work, words);
+        free(work);
+        give_back(cable, kept);
+    }
+    free(kept);
+    return found;
+}
+
+/* Why a start that was found anew is none to begin with, where the exported one is: NULL: it is one, or
+   is warned of. */
+const char *judge_growth(Cable *cable, const char *changed) {
+    if (count_growing(cable) == 0) return NULL;
+    cable->leaves = (cable->flags & FLAG_LEAVES) != 0;
+    if (cable->leaves) return NULL;
+    snprintf(cable->message, sizeof cable->message,
+             "%s is not the scene's: the start that is found with it falls or swings up by itself; export the "
+             "scene with this value, where another one is looked for", changed);
+    return cable->message;
+}
+
+static const char *find_start(Cable *cable) {
+    return cable->system != NULL ? settle_system(cable) : settle_line(cable);
+}
+
+/* The finer run at the same values; one that has no start there is left behind. */
+static void settle_finer(Cable *cable) {
+    Cable *finer = cable->finer;
+    memcpy(finer->values, cable->values, 8 * (size_t)cable->value_words);
+    memcpy(finer->now.start, cable->now.start, sizeof finer->now.start);
+    if (find_start(finer) == NULL) return;
+    restore_exported(finer);
+    scalars(finer->M)->time = scalars(cable->M)->time - 1.0;
+}
+
+/* The state at the start for the values set. */
+const char *settle_cable(Cable *cable) {
+    if (!cable->now.unsettled) return NULL;
+    outputs_changed(cable);
+    const char *problem = find_start(cable);
+    cable->now.unsettled = problem != NULL;
+    if (problem == NULL && cable->finer != NULL) settle_finer(cable);
+    return problem;
+}
