@@ -158,19 +158,12 @@ def lying_to_its_anchor(kind, friction, off=0.0, angle=0.0, speeds=()):
     return model, moored_catenary(across + off, depth, length, weight, stiffness, friction)
 
 
-WHERE_SLIP_ENDS = pytest.mark.xfail(
-    strict=True, reason="1.6 promises in the element in which what slips ends, 4 m of 210"
-)
-
-
 @pytest.mark.parametrize("angle", [0.0, 30.0])
 @pytest.mark.parametrize("friction", [0.3, 0.5])
 @pytest.mark.parametrize("kind", FRICTION_ENDS)
-def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angle, request):
+def test_an_anchor_does_not_feel_what_friction_has_taken_up(kind, friction, angle):
     """Cable that hardly stretches: its friction takes hold at once, as Coulomb's does, not over
     0.02 tau L. At the start, and as long as nothing moves."""
-    if (kind, friction) == ("power", 0.3):
-        request.applymarker(WHERE_SLIP_ENDS)
     model, line = lying_to_its_anchor(kind, friction, angle=angle)
     s = np.linspace(0.0, model.line_length, 201)
     tension = line.tension(model.line_length - s)

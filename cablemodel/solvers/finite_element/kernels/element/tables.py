@@ -91,7 +91,7 @@ CONTACT_H = np.ascontiguousarray(_shape(CONTACT_POINTS).T)
 STIFFENING, STEEPEST = 4.0, 5.0  # of contact below the floor: see `contact.contact_law`
 DEPTH = 0.06  # of tau L: gap below which the floor pushes
 BRISTLE = 0.02  # of tau L: way along the floor after which friction is mobilised, at most
-FIRM_BRISTLE = 0.01  # of it, or of 100 tau T^2/(EA mu w), to anchors: shorter ones take many steps
+FIRM_BRISTLE = 0.03  # of it, or of 100 tau T^2/(EA mu w), to anchors: steps work shorter ones loose
 SHORTEST_BRISTLE = 5e-9  # of the length, bristles: shorter ones feel how far an equilibrium is off
 
 # Small motions: times damping, whose matrix is a difference of two that stiffness fills.

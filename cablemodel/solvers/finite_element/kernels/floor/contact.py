@@ -4,9 +4,8 @@ Contact is a spring with a preload: the force per length over what it is at rest
 g = 0, so that cable at rest lies exactly on the floor, fades to nothing at g = delta, and stiffens
 below. It grows with the speed of approach. At rest the floor bears the weight w, or what it has
 borne for long (`floor_memory`). Friction is a bristle: f = -mu p0 e / u, no longer than mu p, where
-p0 is the force at rest and e the way along the floor from where cable was last at rest. It is cubic
-as the cable is: what bends or swings between nodes is held, too. Along the cable slopes count by
-their lengths, so that friction that sticks has a potential, and what turns as it lands no friction.
+p0 is the force at rest and e the way along the floor from where cable was last at rest. Across the
+cable it is cubic as the cable is: what bends or swings between nodes is held, too.
 """
 
 import math
@@ -43,7 +42,7 @@ class Contact(Record):
     bristle = reals(3, "way along the floor from where it was last at rest", "m")
     along = reals(3, "force along the floor, per length of cable", "N")
     slip = reals(3, "direction in which it slips, or zeros")
-    chord = reals(3, "direction of its element's chord")
+    chord = reals(3, "direction of its element's chord, along which the bristle is linear")
     stiffness = reals(9, "minus the derivative of the force by the place, by rows of three", "N/m")
 
 
@@ -132,40 +131,26 @@ def interpolate(q, parent, node, h, p, out, dimension):
 
 
 @inlined
-def stretch_of(q, slope, dimension):
-    """Length of a slope r', whose components begin at a word of q: cable's length over what it is
-    unstretched [-]."""
-    square = 0.0
-    for i in range(dimension):
-        square += q[slope + i] ** 2
-    return math.sqrt(square)
+def linear_along(M, q, at, rest, x, e, chord, dimension):
+    """Make a bristle e linear between two nodes along their chord, whose direction is given back.
 
-
-@inlined
-def stretch_along(M, q, at, rest, shapes, e, chord, dimension):
-    """Make the part of a bristle e along an element's chord one of places and stretches, whose
-    direction is given back.
-
-    at, rest: where both nodes' places begin, in q, and of what is at rest, in M. shapes: the four
-    cubics there, of places and slopes [m]. Cable that turns as it lies down does not slide: its
-    slopes count by their lengths.
+    at, rest: where the places of both nodes begin, in q, and of what is at rest, in M. Across the
+    chord it is cubic as the cable is; slopes along the cable are strains, and what lies down turns
+    them.
     """
     square = 1e-300
-    for i in range(dimension):
-        chord[i] = q[at[1] + i] - q[at[0] + i]
-        square += chord[i] * chord[i]
-    length = math.sqrt(square)
     more = 0.0
-    for k in range(2):
-        stretched = stretch_of(q, at[k] + dimension, dimension)
-        more += shapes[2 * k + 1] * (stretched - stretch_of(M, rest[k] + dimension, dimension))
+    for i in range(dimension):
+        q0 = q[at[0] + i]
+        q1 = q[at[1] + i]
+        chord[i] = q1 - q0
+        linear = (1.0 - x) * (q0 - M[rest[0] + i]) + x * (q1 - M[rest[1] + i])
+        square += chord[i] * chord[i]
+        more += chord[i] * (linear - e[i])
+    length = math.sqrt(square)
     for i in range(dimension):
         chord[i] /= length
-        linear = shapes[0] * (q[at[0] + i] - M[rest[0] + i])
-        linear += shapes[2] * (q[at[1] + i] - M[rest[1] + i])
-        more += chord[i] * (linear - e[i])
-    for i in range(dimension):
-        e[i] += more * chord[i]
+        e[i] += more / length * chord[i]
 
 
 @inlined
@@ -179,12 +164,12 @@ def bristle(I, M, q, parent, node, h, p, contact, dimension):
         contact.bristle[i] = contact.place[i] - rest[i]
     above = size * parent
     below = size * node
-    stretch_along(
+    linear_along(
         M,
         q,
         (above, below),
         (start + above, start + below),
-        (CONTACT_H[p, 0], h * CONTACT_H[p, 1], CONTACT_H[p, 2], h * CONTACT_H[p, 3]),
+        CONTACT_POINTS[p],
         contact.bristle,
         contact.chord,
         dimension,

@@ -2,6 +2,7 @@
 
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     CONTACT_H,
+    CONTACT_POINTS,
     CONTACT_WEIGHTS,
 )
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
@@ -163,21 +164,34 @@ def add_point(p, h, rub, contact, sums, dimension):
     """
     normal = contact.normal
     slip = contact.slip
+    chord = contact.chord
+    x = CONTACT_POINTS[p]
+    across = 0.0
+    slips = 0.0
+    if rub != 0.0:
+        for i in range(dimension):
+            across += normal[i] * chord[i]
+            slips += slip[i] * chord[i]
     for i in range(dimension):
+        along = rub * (chord[i] - across * normal[i] - slips * slip[i]) if rub != 0.0 else 0.0
         for j in range(dimension):
             a = contact.stiffness[3 * i + j]
             a -= rub * (normal[i] * normal[j] + slip[i] * slip[j])
             if i == j:
                 a += rub
+            b = 0.0
+            if rub != 0.0:
+                b = along * chord[j]
+                a -= b
             at = 16 * (dimension * i + j)
             for k in range(4):
                 nk = CONTACT_H[p, k]
                 if k % 2 == 1:
                     nk *= h
                 ak = nk * a
-                sums[at + 4 * k] += ak * CONTACT_H[p, 0]
+                sums[at + 4 * k] += ak * CONTACT_H[p, 0] + nk * b * (1.0 - x)
                 sums[at + 4 * k + 1] += ak * (h * CONTACT_H[p, 1])
-                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2]
+                sums[at + 4 * k + 2] += ak * CONTACT_H[p, 2] + nk * b * x
                 sums[at + 4 * k + 3] += ak * (h * CONTACT_H[p, 3])
 
 

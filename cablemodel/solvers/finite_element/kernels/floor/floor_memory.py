@@ -14,7 +14,6 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     interpolate,
     place_force,
     place_law,
-    stretch_of,
 )
 from cablemodel.solvers.finite_element.kernels.floor.feet import settle_feet
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import (
@@ -135,14 +134,9 @@ def settle(I, M):
             for i in range(dimension):
                 contact.bristle[i] = q[size * node + dimension + i] - M[rest + dimension + i]
             along_floor(contact.bristle, contact.normal, dimension)
-            slope = size * node + dimension
-            stretched = stretch_of(q, slope, dimension)
-            stretched -= held * (stretched - stretch_of(M, rest + dimension, dimension))
             for i in range(dimension):
-                M[rest + dimension + i] = q[slope + i] - held * contact.bristle[i]
-            stretched /= stretch_of(M, rest + dimension, dimension)
-            for i in range(dimension):
-                M[rest + dimension + i] *= stretched
+                at = dimension + i
+                M[rest + at] = q[size * node + at] - held * contact.bristle[i]
 
 
 @inlined

@@ -16,7 +16,7 @@ steps; splitting a cubic is exact, in position, velocity, acceleration and tensi
 from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
 from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, tensions_of_both
-from cablemodel.solvers.finite_element.kernels.floor.contact import stretch_along, stretch_of
+from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     cable_paid,
     material_end,
@@ -390,25 +390,11 @@ def split_rest(I, M, above, below, h, x, place, rest):
     ends = (head.rest + size * above, head.rest + size * below)
     at_fraction(M, ends[0], ends[1], dimension, h, x, rest)
     bristle = vector()
-    chord = vector()
-    y = 1.0 - x
-    shapes = (y * y * (1.0 + 2.0 * x), h * x * y * y, x * x * (3.0 - 2.0 * x), -h * x * x * y)
     for i in range(dimension):
         bristle[i] = place[i] - rest[i]
-    stretch_along(M, M, at, ends, shapes, bristle, chord, dimension)
-    # The stretch at rest there is what leaves the bristle's own as it was.
-    stretched = stretch_of(place, dimension, dimension)
-    for k in range(2):
-        rate = y * (1.0 - 3.0 * x) if k == 0 else x * (3.0 * x - 2.0)
-        more = stretch_of(M, at[k] + dimension, dimension)
-        stretched -= rate * (more - stretch_of(M, ends[k] + dimension, dimension))
-        rate = -6.0 * x * y / h if k == 0 else 6.0 * x * y / h
-        for i in range(dimension):
-            stretched -= rate * chord[i] * (M[at[k] + i] - M[ends[k] + i])
-    stretched /= stretch_of(rest, dimension, dimension)
+    linear_along(M, M, at, ends, x, bristle, vector(), dimension)
     for i in range(dimension):
         rest[i] = place[i] - bristle[i]
-        rest[dimension + i] *= stretched
 
 
 @kernel

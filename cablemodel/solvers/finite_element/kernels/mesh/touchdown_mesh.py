@@ -247,8 +247,8 @@ def measure_ways(I, M, gaps, ways):
 def length_by_grip(I, M, node, promised, way):
     """The longest element that finds what friction holds next to an anchor [m].
 
-    There friction grows from none to all. An element that begins at the anchor, where its bristle
-    is none, lacks as much as half of its friction.
+    There friction grows from none to all. An element, whose bristles are linear between its nodes,
+    that begins at the anchor has half of its friction.
     """
     if way == 1e300:
         return 1e300
