@@ -106,6 +106,8 @@ def lowest(line: LineView) -> float:
     return float(line.sample([line.length - line.on_floor.floor_length + 3.0]).tension[0])
 
 
+LIMP_SLACK = LIGHT, 1.0, 500.0, 0.0, 0.02
+"""Cable, knots, depth [m], bending stiffness [N m2], slack."""
 LAYS = [
     (LIGHT, 0.5, 20.0, 1.0, 0.0, 0.0),
     (LIGHT, 3.0, 100.0, 20.0, 0.0, 0.0),
@@ -118,6 +120,27 @@ LAYS = [
 ]
 """Cable, knots, depth [m], bending stiffness [N m2], slope [degrees], slack."""
 NOT_TAUT = [row for row in LAYS if row[-1] >= 0.0]
+
+
+def closer(scene: cm.Scene) -> cm.CableModel:
+    """The line alone at a quarter of the tolerance."""
+    data = scene.to_dict()
+    data["solver"]["tolerance"] = 0.25 * TAU
+    return cm.CableModel(data)
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="slack of no stiffness that is laid presses by .4 promises: 1.7 tau L in 40 s",
+)
+def test_slack_without_stiffness_leaves_the_touchdown_where_it_is() -> None:
+    kind, knots, depth, bending, slack = LIMP_SLACK
+    scene, _rate = lay(kind, knots, depth, bending=bending, slack=slack)
+    single, fine = cm.CableModel(scene), closer(scene)
+    for model in (single, fine):
+        model.step(40.0)
+    away = single.touchdown_position - fine.touchdown_position
+    assert np.linalg.norm(away) < TAU * scene.line_length
 
 
 @pytest.mark.parametrize("at", ["start", "end"])
@@ -134,6 +157,8 @@ def test_a_lay_is_that_of_its_line_alone(
     """At its start and for 40 s, from a ship with an attitude beside a line with a load."""
     scene, _rate = lay(kind, knots, depth, bending=bending, slope=slope, slack=slack)
     length, single = scene.line_length, cm.CableModel(scene)
+    if (bending, slack) == LIMP_SLACK[-2:]:
+        single = closer(scene)
     model = started(beside(scene, at=at, hangs=0.5 * depth))
     for step in range(5):
         top, touchdown, angle = seen(single)
