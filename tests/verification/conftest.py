@@ -11,15 +11,10 @@ _TIGHT = (
     "time steps leave a little more; the deviation is in the message of the failure"
 )
 LIMITS = {
-    "test_tension_of_a_lay": (
-        "the start rings by 1.7 % at its first outputs, within 1 % from then on; steps damped it "
-        "before they followed tensions"
-    ),
     "test_converges_to_the_table": _TIGHT,
 }
 FAILING = frozenset(
     {
-        "test_tension_of_a_lay",
         "test_axial_mode_with_an_end_mass[0.0]",
         "test_converges_to_the_table[released in water-100-1e-08]",
     }

@@ -90,8 +90,7 @@ def may_be_wrong(I, M, edge):
     state = scalars(M)
     if header(I).parts != 0:
         return 10.0 * state.tolerance * cable_of(I, M, int(edge.segment)).tension
-    typical = state.tolerance * state.tension_scale
-    return 10.0 * state.tolerance * max(state.largest_tension, typical)
+    return promised_tension(M)
 
 
 @kernel

@@ -14,12 +14,11 @@ EXACT = 1e-12  # of a change of strain
 
 @kernel
 def promised_tension(M):
-    """What tensions may be wrong by [N], by the largest tension so far.
-
-    A typical one stands for it at first.
-    """
+    """What tensions may be wrong by [N], by the largest tension so far, or next to nothing of a
+    typical one: what lies or hangs slack has none."""
     state = scalars(M)
-    return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
+    typical = state.tolerance * state.tension_scale
+    return 10.0 * state.tolerance * max(state.largest_tension, typical)
 
 
 @inlined

@@ -530,6 +530,10 @@ def advance_to(I, M, t_end):
     plan.last_jump = -1e300
     status = make_cuts(I, M) if head.cut_count != 0 else OK
     keep_forces(I, M)
+    if head.steps == 0 and head.parts == 0:  # steps of a system remember their lines'
+        for node in range(1, head.nodes):
+            tension = abs(M[head.tension + 2 * node])
+            state.largest_tension = max(state.largest_tension, tension)
     taken = 0
     mark = state.time
     while status == OK and state.time < t_end:
