@@ -213,7 +213,7 @@ def moved_off(kind, friction):
 
 WORKED_LOOSE = pytest.mark.xfail(
     strict=True,
-    reason="up to 7.3 promises, 2.7 rms: steps that follow the tension, 180 for 70, work bristles loose",
+    reason="7.3 promises, 2.7 rms: steps that follow the tension, 180 for 70, work bristles loose",
 )
 
 
