@@ -1,4 +1,4 @@
-"""The blocks' records: their words follow each other, and every view of them says the same."""
+"""Records of blocks and of model files: words follow each other, and every view says the same."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,18 @@ import pytest
 from cablemodel.solvers.direct.kernels import layout as own
 from cablemodel.solvers.finite_element.block import SIZES, Block
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.record import Part, Several, Spare, c_struct, dtype_of, records
+from cablemodel.solvers.shared.record import (
+    Part,
+    Several,
+    Spare,
+    Text,
+    c_struct,
+    dtype_of,
+    records,
+)
+from cablemodel_fmu import file_records
 
-RECORDS = [*records(at), *records(own)]
+RECORDS = [*records(at), *records(own), *records(file_records)]
 
 
 def test_kernels_and_c_tell_records_by_their_names():
@@ -32,7 +41,7 @@ def test_views_by_name_write_what_numpy_reads(record):
     memory = np.zeros(record.WORDS + 1, dtype=np.int64)
     structured = memory[1:].view(dtype_of(record))[0]
     for name, field in record.FIELDS.items():
-        if isinstance(field, (Part, Spare)):
+        if isinstance(field, (Part, Spare, Text)):
             continue
         memory[:] = 0
         view = record(memory if field.kind == "i8" else memory.view(np.float64), 1)

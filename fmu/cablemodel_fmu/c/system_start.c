@@ -136,7 +136,7 @@ static Way way_of(const Cable *cable) {
     Way way = {0};
     const int64_t first = first_used(cable);
     if (first < 0) { /* only coefficients are other ones */
-        memcpy(way.from, cable->file + F_FRAME, sizeof way.from);
+        memcpy(way.from, file_header(cable->file)->frame, sizeof way.from);
         memcpy(way.to, way.from, sizeof way.to);
         return way;
     }
@@ -598,7 +598,7 @@ static const char *search(Cable *cable) {
     run_winches(cable, 0);
     if (lengths_changed(cable)) {
         LineFacts facts;
-        memcpy(&facts, cable->file + F_FACTS, sizeof facts);
+        memcpy(&facts, file_header(cable->file)->facts, sizeof facts);
         cablemodel_measure(cable->I, cable->block_words, lengths_between(cable, 0.0, 1.0), cable->length_words,
                            (double *)&facts, FACT_WORDS);
     }
