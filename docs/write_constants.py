@@ -48,6 +48,7 @@ WORDS = {
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
     "solvers/finite_element/kernels/mesh/lengths.py": "SPRING_FIRST SPRING_LAST",
+    "solvers/finite_element/kernels/mesh/mesh_motion.py": "FOLLOW_WORDS",
     "solvers/finite_element/kernels/time/begin.py": "ROW_BENT ROW_ACCELERATIONS",
     "solvers/finite_element/kernels/time/statics.py": "ROW_PLACES ROW_TENSIONS ROW_BORE",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",

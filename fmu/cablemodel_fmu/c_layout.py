@@ -11,6 +11,7 @@ import json
 from types import ModuleType
 from typing import Any
 
+from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers import estimating as error_estimate
 from cablemodel.solvers.direct import block as direct_block
 from cablemodel.solvers.direct import failures as direct_failures
@@ -102,6 +103,7 @@ def start_constants() -> dict[str, float]:
         "AHEAD": interface.RATE_AHEAD,
         "FURTHEST": LARGEST["m"],
         "FASTEST": LARGEST["m/s"],
+        "AT_REST": AT_REST,
     }
 
 

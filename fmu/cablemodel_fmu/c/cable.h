@@ -129,9 +129,14 @@ int64_t cablemodel_resize_line(void *block, int64_t words, double *lengths, int6
                                double *move, int64_t k);
 int64_t cablemodel_resize_lines(void *block, int64_t words, double *lengths, int64_t n, double *places, int64_t m,
                                 double *grown, int64_t k);
+int64_t cablemodel_rotate_system(void *block, int64_t words, double x, double y, double angle);
+int64_t cablemodel_follow_supports(void *block, int64_t words, double *before, int64_t n, double *grown, int64_t m,
+                                   double *work, int64_t k);
+int64_t cablemodel_start_paying_out(void *block, int64_t words, int64_t number);
 int64_t cablemodel_worst_of_shape(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_ends_apart(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_hold_supports(void *block, int64_t words);
+int64_t cablemodel_rest_feet(void *block, int64_t words);
 int64_t cablemodel_rest_here(void *block, int64_t words);
 int64_t cablemodel_count_from_zero(void *block, int64_t words);
 int64_t cablemodel_restore_bending(void *block, int64_t words);
@@ -283,8 +288,8 @@ void frame_of_rest(const Cable *cable, double frame[3]);
 const char *settle_line(Cable *cable);
 
 /* start.c */
-typedef struct { /* the most that an element bends, in what it can follow, and stretches */
-    double bent, stretched;
+typedef struct { /* the most that an element bends, in what it can follow, and stretches, and by what it is pressed */
+    double bent, stretched, pressed;
 } Shape;
 Shape shape_of(const Cable *cable);
 void judge_shape(Cable *cable, const Shape *before);
