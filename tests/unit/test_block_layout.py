@@ -67,6 +67,9 @@ def test_every_field_says_what_it_is(record):
         (at.BeginRows,),
         (at.FilterRows,),
         (at.SolvedRows,),
+        (at.AlongRows,),
+        (at.ConsistentRows,),
+        (at.ResponseRows,),
     ],
 )
 def test_users_of_spare_rows_that_are_at_work_together_do_not_meet(together):
@@ -85,6 +88,16 @@ def test_users_of_spare_rows_that_are_at_work_together_do_not_meet(together):
     first = places.index(at.Header.stage_velocity.word)
     assert places[first + 1] == at.Header.stage_acceleration.word
     assert [length for _place, length in workspace[first : first + 2]] == [at.STAGE_ROWS] * 2
+
+
+@pytest.mark.parametrize("rows", [at.AlongRows, at.SlackRows])
+def test_what_looks_along_lines_leaves_what_was_solved_for(rows):
+    """Only compliances, which have been given back by then, are in its place."""
+    own = [field for field in rows.FIELDS.values() if not isinstance(field, Spare)]
+    softness = at.SolvedRows.softness
+    assert min(field.word for field in own) >= softness.word
+    assert max(field.word + field.words for field in own) <= softness.word + softness.words
+    assert softness.word + softness.words == at.SolvedRows.WORDS == at.SPARE_ROWS
 
 
 def test_what_there_is_one_of_stands_where_a_block_has_it():

@@ -78,6 +78,7 @@ typedef struct Cable {
     const Parameter *parameters;
     double *lengths; /* CableLength of each parameter that is one: lengths_between */
     int64_t length_words;
+    double *gaps; /* how far apart the ends of each line are */
     double *values; /* of the parameters, then what a system's inputs and starts are */
     int64_t value_words;
     System *system;

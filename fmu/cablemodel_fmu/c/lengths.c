@@ -71,8 +71,7 @@ static void move_start(Cable *cable) {
 int64_t line_out_of_reach(Cable *cable, double *length, double *apart) {
     const int64_t *I = cable->I;
     cablemodel_place_supports(cable->I, cable->block_words);
-    double *gaps = cable->M + header(I)->residual; /* workspace */
-    cablemodel_ends_apart(cable->I, cable->block_words, gaps, header(I)->line_count);
+    cablemodel_ends_apart(cable->I, cable->block_words, cable->gaps, header(I)->line_count);
     for (int64_t line = 0; line < header(I)->line_count; line++) {
         double reach = *length = 0.0;
         for (int64_t n = 0; n < header(I)->body_count; n++) {
@@ -85,7 +84,7 @@ int64_t line_out_of_reach(Cable *cable, double *length, double *apart) {
             *length += cable->values[n];
             reach += cable->values[n] * p->reach;
         }
-        *apart = gaps[line];
+        *apart = cable->gaps[line];
         if (*apart > reach) return line;
     }
     return -1;

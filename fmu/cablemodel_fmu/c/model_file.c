@@ -326,9 +326,11 @@ static const char *load_block(Cable *cable, const char *resource_location, const
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->parameters[n].kind >= OF_LINE) cable->length_words += LENGTH_WORDS;
     cable->lengths = calloc((size_t)cable->length_words + 1, sizeof(double));
+    const int64_t *image = initial_image(cable);
+    cable->gaps = calloc(is_direct(image) ? 1 : (size_t)header(image)->line_count, sizeof(double));
     cable->arcs = calloc(samples, sizeof(double));
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
-    if (cable->I == NULL || cable->values == NULL || cable->lengths == NULL || cable->arcs == NULL || cable->rows == NULL)
+    if (cable->I == NULL || cable->values == NULL || cable->lengths == NULL || cable->gaps == NULL || cable->arcs == NULL || cable->rows == NULL)
         return "out of memory";
     return NULL;
 }
@@ -370,6 +372,7 @@ void free_cable(Cable *cable) {
     free(cable->I);
     free(cable->values);
     free(cable->lengths);
+    free(cable->gaps);
     free(cable->arcs);
     free(cable->rows);
     free(cable->copy);

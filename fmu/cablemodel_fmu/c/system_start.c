@@ -481,14 +481,17 @@ static const char *search(Cable *cable) {
 
 /* Vessels to their starts, and the origin of the block's coordinates, in which nothing moves, with
    them: not even by rounding. */
-static void move_origin(Cable *cable, const double way[3]) {
-    double *kept = cable->M + header(cable->I)->trial_position; /* workspace */
+static const char *move_origin(Cable *cable, const double way[3]) {
     const size_t bytes = sizeof(double) * (size_t)(6 * header(cable->I)->nodes);
+    double *kept = malloc(bytes);
+    if (kept == NULL) return "out of memory";
     memcpy(kept, POSITION_OF(cable, 0), bytes);
     place_vessels(cable, 1.0, NULL);
     for (int i = 0; i < 3; i++) scalars(cable->M)->origin[i] += way[i];
     cablemodel_hold_supports(cable->I, cable->block_words);
     memcpy(POSITION_OF(cable, 0), kept, bytes);
+    free(kept);
+    return NULL;
 }
 
 /* Why a system cannot have the lengths that are set, with vessels where they are to begin; NULL: it may. */
@@ -541,10 +544,7 @@ const char *settle_system(Cable *cable) {
     }
     const char *problem = unsteady(cable);
     if (problem != NULL) return problem;
-    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
-        move_origin(cable, way);
-        return NULL;
-    }
+    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) return move_origin(cable, way);
     problem = refuse_lengths(cable);
     if (problem == NULL) problem = search(cable);
     if (problem != NULL) take_exported(cable);
