@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.start import continuation as continuation
-from cablemodel.solvers.finite_element.start import firm_friction, sea_floor, search
+from cablemodel.solvers.finite_element.start import continuation, firm_friction, sea_floor, search
 from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line

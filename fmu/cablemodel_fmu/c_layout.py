@@ -82,8 +82,8 @@ def start_constants() -> dict[str, float]:
     of a system is placed, and looks ahead, and by which inputs are refused."""
     from cablemodel.solvers.finite_element import stability
     from cablemodel.solvers.finite_element.kernels.outputs import interface
-    from cablemodel.solvers.finite_element.start import continuation as continuation
     from cablemodel.solvers.finite_element.start import (
+        continuation,
         firm_friction,
         refinement,
         scales,

@@ -109,8 +109,8 @@ def add_feet(I, M, body, f):
 def settle_feet(I, M):
     """Draw the places of rest after feet that have slipped or left the floor (return mapping).
 
-    A bristle is as stiff as the foot presses, at least as at rest: a blow would be over before one
-    for the weight alone had been bent far enough. As it stiffens it keeps its force.
+    A bristle is as stiff as the foot presses, at least as at rest: an impact would be over before
+    one for the weight alone had been bent far enough. As it stiffens it keeps its force.
     """
     head = header(I)
     state = scalars(M)

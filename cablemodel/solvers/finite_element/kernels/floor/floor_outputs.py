@@ -269,8 +269,8 @@ def touchdown_along(I, M, elements, turned, touchdown):
             arc_touched = arc
             geometric = arc + begin * h
             layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
-            pull = max(0.0, M[head.tension + 2 * node])
-            layer += math.sqrt(2.0 * depth * pull / edge.contact)
+            tension = max(0.0, M[head.tension + 2 * node])
+            layer += math.sqrt(2.0 * depth * tension / edge.contact)
             first = geometric + ZONE[0] * layer
             last = geometric + ZONE[1] * layer
             gap_along(I, M, node, turned, begin, touchdown, normal)

@@ -130,7 +130,7 @@ def support_force(I, M, node, force, moment):
 
 
 @kernel
-def pull_along(I, M, node, sign):
+def reaction_along(I, M, node, sign):
     """Component along the tangent of the support's force at an end node: the tension there [N]."""
     head = header(I)
     dimension = head.dimension
@@ -185,7 +185,7 @@ def summarise(I, M, out):
     support_force(I, M, 0, view(wrench, 0, 3), view(wrench, 3, 3))
     for i in range(6):
         wrench[i] = -wrench[i]
-    top = pull_along(I, M, 0, -1.0)
+    top = reaction_along(I, M, 0, -1.0)
     found.top_tension = math.copysign(
         math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
     )

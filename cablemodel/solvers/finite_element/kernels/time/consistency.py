@@ -449,7 +449,7 @@ def begin_after_a_velocity_jump(I, M, span):
     """Accelerations that go with those of the vessel and the water, at the tensions of the line.
 
     What they change moves the line's mass at once; tensions follow as waves run along it.
-    The equations are linear; the matrix is that of a step of `span`, as short as the blow.
+    The equations are linear; the matrix is that of a step of `span`, as short as the jump.
     """
     head = header(I)
     state = scalars(M)
