@@ -19,9 +19,9 @@ RARE_KERNELS = (
     "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
     "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
     "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
-    "lengths", "part_outputs", "payout", "promote", "raos", "resizing", "rigid", "rings",
-    "rotation", "scales", "slack", "sleep", "statics", "swinging", "tension", "top_element",
-    "touchdown_mesh", "vessel_clamp", "winch",
+    "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
+    "rings", "rotation", "scales", "slack", "sleep", "statics", "swinging", "tension",
+    "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")

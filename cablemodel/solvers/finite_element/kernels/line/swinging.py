@@ -160,6 +160,7 @@ def give_way(I, M, x):
 
 @outlined
 def dot(x, y):
+    """Inner product of vectors of one length."""
     total = 0.0
     for n in range(len(x)):
         total += x[n] * y[n]

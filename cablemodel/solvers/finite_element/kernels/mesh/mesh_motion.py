@@ -7,6 +7,7 @@ that share a place, or are of one body, are a group that has one displacement.
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.line.swinging import dot
 from cablemodel.solvers.shared.access import (
     closure_of,
     constraint_of,
@@ -105,15 +106,6 @@ def laplacian(I, M, group, held, growth, grown, displacement, out):
     for n in range(count):
         if held[n // 3] != 0.0:
             out[n] = 0.0
-
-
-@kernel
-def dot(a, b):
-    """Inner product."""
-    total = 0.0
-    for n in range(len(a)):
-        total += a[n] * b[n]
-    return total
 
 
 @kernel

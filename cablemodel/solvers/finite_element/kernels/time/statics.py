@@ -33,7 +33,7 @@ from cablemodel.solvers.finite_element.kernels.water.flow import (
     laid_share,
 )
 from cablemodel.solvers.shared.access import edge_of, header, scalars, spare_row, vector, winch_of
-from cablemodel.solvers.shared.compile import copy_words, kernel, own_record, view
+from cablemodel.solvers.shared.compile import copy_words, kernel, outlined, own_record, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_NONE,
     FLOOR_TOUCHED,
@@ -300,7 +300,7 @@ def stand_in_frame(I, M, frame, flow):
         add_flow(I, M, flow, view(M, head.position, count), w0, a0)
 
 
-@kernel
+@outlined
 def relax(I, M, frame, damped, strict):
     """One attempt; damped: every step starts from rest; strict: no step may end folded."""
     head = header(I)
