@@ -48,7 +48,19 @@ WORDS = {
     "solvers/finite_element/kernels/outputs/part_outputs.py": "WRENCH",
     "solvers/finite_element/kernels/mesh/payout.py": "VELOCITY ACCELERATION",
     "solvers/finite_element/kernels/mesh/lengths.py": "SPRING_FIRST SPRING_LAST",
+    "solvers/finite_element/kernels/mesh/mesh_motion.py": "FOLLOW_WORDS",
+    "solvers/finite_element/kernels/outputs/interface.py": "ROW_CHANGE ROW_FORCES ROW_SOLUTION",
+    "solvers/finite_element/kernels/outputs/summary.py": "ROW_ELEMENTS",
     "solvers/finite_element/kernels/time/begin.py": "ROW_BENT ROW_ACCELERATIONS",
+    "solvers/finite_element/kernels/time/consistency.py": (
+        "ROW_PLACES_BEFORE ROW_VELOCITIES_BEFORE ROW_ACCELERATIONS_BEFORE ROW_TENSIONS_BEFORE "
+        "ROW_RATES_BEFORE"
+    ),
+    "solvers/finite_element/kernels/time/rings.py": (
+        "ROW_DISPLACEMENTS ROW_MASSES ROW_BEYOND ROW_CLOSED"
+    ),
+    "solvers/finite_element/kernels/time/slack.py": "ROW_TIES",
+    "solvers/finite_element/kernels/time/waves.py": "ROW_TIMES ROW_SPEEDS",
     "solvers/finite_element/kernels/time/statics.py": "ROW_PLACES ROW_TENSIONS ROW_BORE",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",
     "solvers/finite_element/kernels/water/sea_cells.py": "OVER",

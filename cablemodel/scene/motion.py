@@ -119,7 +119,7 @@ class VesselMotion:
         return self.pieces[1:, T_START]
 
     def evaluate(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Position, velocity, acceleration at a time, each (3,); the right limit at a kink.
+        """Position, velocity, acceleration at a time, each (3,); the right limit at a breakpoint.
 
         Raises:
             ValueError: t is negative or not finite.

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.start import continuation as continuation
-from cablemodel.solvers.finite_element.start import firm_friction, sea_floor, search
+from cablemodel.solvers.finite_element.start import continuation, firm_friction, sea_floor, search
 from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line
@@ -174,40 +173,28 @@ def _let_friction_hold(block: Block) -> bool:
 
 
 def _start_flowing(scene: SystemScene, built: Built) -> None:
-    """Velocities of what hangs on a winch that pays out from t = 0 on: cable runs along itself, and
-    what is tied to it moves as it does there. At rest it would answer with a shock of EA rate / c.
-    """
-    nodes, block = built.nodes, built.block
-    parents, joints = block.integers(Header.parent, nodes), block.integers(Header.joint, nodes)
-    q = block.array(Header.position, nodes, 6)
-    v = block.array(Header.velocity, nodes, 6)
+    """Velocities of what hangs on winches that pay out from t = 0 on."""
+    from cablemodel.solvers import library as entry
+
+    block = built.block
     for number, (name, winch) in enumerate(scene.winches.items()):
         rate = winch.rate_at_start
         if rate == 0.0:
             continue
         row = built.winch(number)
         row.rate = rate
-        # Nothing else holds it: a tree begins at the winch.
-        top = int(row.node)
-        hangs, runs = {top}, set(built.elements(winch.line).node.tolist())
-        for node in range(top + 1, nodes):
-            if joints[node] >= at.JOINT_ROOT or parents[node] not in hangs:
-                continue
-            hangs.add(node)
-            v[node, :3] = v[parents[node], :3]
-            if node in runs:
-                v[node, :3] = v[top, :3] + rate * q[node, 3:]
+        behind = entry.start_paying_out(block.ints, block.reals, number)
         if block.header.floor_state == at.FLOOR_TOUCHED:
-            _refuse_what_touches(scene, built, name, hangs)
+            _refuse_what_touches(scene, built, name, range(int(row.node), behind))
 
 
-def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: set[int]) -> None:
+def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: range) -> None:
     """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, is on the floor."""
     floor = scene.environment.floor
     assert floor is not None
     places = built.block.array(Header.position, built.nodes, 6)[:, :3]
     depth = float(built.block.scalars.floor_depth)
-    for node in sorted(hangs):
+    for node in hangs:
         x, y, z = (places[node] + built.block.scalars.origin).tolist()
         if z - floor.height(x, y) < depth:
             part, arc = built.where(node)

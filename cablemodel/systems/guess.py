@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 FloatArray = NDArray[np.float64]
+Numbers = NDArray[np.intp]
 
 PARTS = 12
 """Strings that a line without branches is made of."""
@@ -55,7 +56,7 @@ def _lowest(
     force: float,
     least: float,
     length: float,
-    adrift: list[FloatArray],
+    adrift: list[Numbers],
 ) -> FloatArray:
     """The lowest place (n, 3) of a convex energy, by Newton's method with Levenberg's damping.
 
@@ -166,46 +167,62 @@ def ways_aside(guess: Guess) -> dict[str, FloatArray]:
     return found
 
 
-def first_guess(
-    scene: SystemScene, velocity: FloatArray, aside: dict[str, FloatArray] | None = None
-) -> Guess:
-    """The first places.
+@dataclass(frozen=True)
+class _Masses:
+    """What has a place: bodies, then the masses of lines, by their numbers."""
 
-    velocity: of the frame in which the start is at rest (3,) [m/s]; aside: by line, a way in which
-    it is drawn (3,): slack that would hang doubled below itself opens into a bight.
-    """
-    from scipy.sparse import csc_matrix
-    from scipy.sparse.csgraph import connected_components
+    arcs: dict[str, FloatArray]
+    """Arc lengths of each line's masses [m]."""
+    bodies: dict[str, int]
+    lines: dict[str, list[int]]
+    count: int
 
-    count = 0
-    bodies: dict[str, int] = {}
-    for name in scene.bodies:
-        bodies[name] = count
-        count += 1
-    # A point of a string: (variable or -1, offset).
+    @property
+    def strings(self) -> tuple[Numbers, Numbers, FloatArray]:
+        """Numbers at both ends of each string, and its length [m]."""
+        return (
+            np.concatenate([nodes[:-1] for nodes in self.lines.values()]),
+            np.concatenate([nodes[1:] for nodes in self.lines.values()]),
+            np.concatenate([np.diff(own_arcs) for own_arcs in self.arcs.values()]),
+        )
+
+
+def _masses_of(scene: SystemScene) -> _Masses:
+    bodies = {name: number for number, name in enumerate(scene.bodies)}
+    count = len(bodies)
+    arcs = {name: arcs_of(scene, name) for name in scene.lines}
+    lines: dict[str, list[int]] = {}
+    for name, own_arcs in arcs.items():
+        lines[name] = list(range(count, count + len(own_arcs)))
+        count += len(own_arcs)
+    return _Masses(arcs, bodies, lines, count)
+
+
+def _loads(
+    scene: SystemScene,
+    masses: _Masses,
+    velocity: FloatArray,
+    aside: dict[str, FloatArray] | None,
+) -> FloatArray:
+    """Weight in water and steady drag of each mass (count, 3) [N]; arguments: see first_guess."""
     rho, gravity = scene.environment.water_density, scene.environment.gravity
     current = scene.environment.current
     flow = -velocity
     if current is not None:
         flow = flow + current.velocity.reshape(-1, 3).mean(axis=0)
     speed = float(np.linalg.norm(flow))
-    arcs = {name: arcs_of(scene, name) for name in scene.lines}
-    lines: dict[str, list[int]] = {}
-    for name, own_arcs in arcs.items():
-        lines[name] = list(range(count, count + len(own_arcs)))
-        count += len(own_arcs)
-    pulls = np.zeros((count, 3))
+    loads = np.zeros((masses.count, 3))
     for name, body in scene.bodies.items():
-        pulls[bodies[name], 2] -= body.weight_in(scene.environment)
-        pulls[bodies[name]] += 0.5 * rho * speed * np.mean(body.drag_area) * flow
+        loads[masses.bodies[name], 2] -= body.weight_in(scene.environment)
+        loads[masses.bodies[name]] += 0.5 * rho * speed * np.mean(body.drag_area) * flow
     for name, line in scene.lines.items():
+        edges, numbers = masses.arcs[name], masses.lines[name]
         along = 0.0
         for item in line.items:
             if item.body is not None:
-                k = _nearest(arcs[name], along)
                 load = np.array([0.0, 0.0, -item.body.submerged_weight])
                 area = item.body.drag_coefficient * item.body.drag_area
-                pulls[lines[name][k]] += load + 0.5 * rho * speed * area * flow
+                loads[numbers[_nearest(edges, along)]] += load + 0.5 * rho * speed * area * flow
                 continue
             assert item.cable is not None
             kind = scene.cable_types[item.cable.type]
@@ -214,15 +231,43 @@ def first_guess(
             load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
             if aside is not None:
                 load += ASIDE * max(abs(weight), AFLOAT * kind.mass * gravity) * aside[name]
-            edges = arcs[name]
             low, high = along, along + item.cable.length
             for k in range(len(edges) - 1):
                 part = max(0.0, min(high, edges[k + 1]) - max(low, edges[k]))
                 for node in (k, k + 1):
-                    pulls[lines[name][node]] += 0.5 * part * load
+                    loads[numbers[node]] += 0.5 * part * load
             along = high
+    return loads
+
+
+@dataclass(frozen=True)
+class _Ties:
+    """What holds masses: the place of each is that of its owner, or one that is fixed, and an
+    offset."""
+
+    fixed: dict[int, FloatArray]
+    """Places (3,) of those that are [m]."""
+    owner: Numbers
+    """Of each mass whose place it has (count,)."""
+    free: Numbers
+    """Masses that nothing holds: the unknowns are their places."""
+    unknown: Numbers
+    """Of each mass the number of its owner among those, or -1 (count,)."""
+    base: FloatArray
+    """What is added to the unknown place (count, 3) [m]."""
+
+    def places(self, x: FloatArray) -> FloatArray:
+        """Of all masses (count, 3), from those of the free ones [m]."""
+        if not len(self.free):
+            return self.base
+        moved = x[np.maximum(self.unknown, 0)]
+        return np.asarray(self.base + np.where((self.unknown >= 0)[:, None], moved, 0.0))
+
+
+def _ties_of(scene: SystemScene, masses: _Masses) -> _Ties:
+    bodies, lines = masses.bodies, masses.lines
     fixed: dict[int, FloatArray] = {bodies[name]: at for name, at in standing(scene).items()}
-    ties: list[tuple[int, int, FloatArray]] = []  # place = that of another variable, and an offset
+    ties: list[tuple[int, int, FloatArray]] = []  # place = that of another one, and an offset
     for name, line in scene.lines.items():
         for side, end in enumerate(line.ends):
             node = lines[name][-1 if side else 0]
@@ -235,80 +280,101 @@ def first_guess(
                 ties.append((node, bodies[end.owner], arm))
             elif end.line is not None:
                 assert end.at is not None
-                ties.append((node, lines[end.line][_nearest(arcs[end.line], end.at)], np.zeros(3)))
-    owner_of = np.arange(count)
-    offset = np.zeros((count, 3))
+                nearest = lines[end.line][_nearest(masses.arcs[end.line], end.at)]
+                ties.append((node, nearest, np.zeros(3)))
+    owner = np.arange(masses.count)
+    base = np.zeros((masses.count, 3))
     for node, other, arm in ties:
-        owner_of[node], offset[node] = other, arm
+        owner[node], base[node] = other, arm
     for node, other, _arm in ties:  # of a branch from a line's end at a body
-        if owner_of[other] != other:
-            offset[node] += offset[other]
-            owner_of[node] = owner_of[other]
-    free = np.array([k for k in range(count) if owner_of[k] == k and k not in fixed])
-    column = np.full(count, -1)
+        if owner[other] != other:
+            base[node] += base[other]
+            owner[node] = owner[other]
+    free = np.array(
+        [k for k in range(masses.count) if owner[k] == k and k not in fixed], dtype=np.intp
+    )
+    column = np.full(masses.count, -1)
     column[free] = np.arange(len(free))
-    base = offset.copy()
     for node, place in fixed.items():
-        base[owner_of == node] += place
-    where = column[owner_of]
-    left = np.concatenate([nodes[:-1] for nodes in lines.values()])
-    right = np.concatenate([nodes[1:] for nodes in lines.values()])
-    rest = np.concatenate([np.diff(own_arcs) for own_arcs in arcs.values()])
-    total = float(np.abs(pulls).sum()) + 1e-9
-    floor = scene.environment.floor
-    hulls = [
-        (
-            bodies[name],
-            body.hull.centre[2],
-            0.5 * (body.hull.height or body.hull.diameter),
-            rho * gravity * body.hull.volume,
-        )
-        for name, body in scene.bodies.items()
-        if body.hull is not None
-    ]
-    hard = total / (STRETCH[-1] * float(rest.min()))
+        base[owner == node] += place
+    return _Ties(fixed, owner, free, column[owner], base)
 
-    def places(x: FloatArray) -> FloatArray:
-        return base + np.where((where >= 0)[:, None], x[np.maximum(where, 0)], 0.0)
 
-    used = where >= 0
+class _Energy:
+    """Of strings that pull and do not push, their loads, hulls that float and the floor."""
 
-    def energy(x: FloatArray, stretch: float) -> tuple[float, FloatArray, csc_matrix]:
-        """Energy, its gradient over the free places (n, 3), and its Hessian (3 n, 3 n)."""
-        stiff = total / (stretch * rest)
-        p = places(x)
+    def __init__(self, scene: SystemScene, masses: _Masses, ties: _Ties, loads: FloatArray) -> None:
+        self.left, self.right, self.rest = masses.strings
+        self.ties, self.loads = ties, loads
+        self.total = float(np.abs(loads).sum()) + 1e-9
+        self.floor = scene.environment.floor
+        self.hard = self.total / (STRETCH[-1] * float(self.rest.min()))
+        rho, gravity = scene.environment.water_density, scene.environment.gravity
+        self.hulls = [
+            (
+                masses.bodies[name],
+                body.hull.centre[2],
+                0.5 * (body.hull.height or body.hull.diameter),
+                rho * gravity * body.hull.volume,
+            )
+            for name, body in scene.bodies.items()
+            if body.hull is not None
+        ]
+
+    def __call__(self, x: FloatArray, stretch: float) -> tuple[float, FloatArray, csc_matrix]:
+        """Energy, its gradient over the free places (n, 3), and its Hessian (3 n, 3 n), where all
+        forces together stretch a string by `stretch`."""
+        left, right = self.left, self.right
+        p = self.ties.places(x)
+        stiff = self.total / (stretch * self.rest)
         d = p[right] - p[left]
         size = np.maximum(np.linalg.norm(d, axis=1), 1e-12)
-        over = np.maximum(0.0, size - rest)
-        value = float((0.5 * stiff * over**2).sum() - (pulls * p).sum())
+        over = np.maximum(0.0, size - self.rest)
+        value = float((0.5 * stiff * over**2).sum() - (self.loads * p).sum())
         unit = d / size[:, None]
         along = unit[:, :, None] * unit[:, None, :]
         share = over / size
         string = share[:, None, None] * np.eye(3) + (1.0 - share)[:, None, None] * along
         string *= (stiff * (over > 0.0))[:, None, None]
-        own = np.zeros((count, 3, 3))
-        slope = -pulls.copy()
-        for index, middle, half, lift in hulls:
-            # What has left the water lifts no more: by as much as its middle is above the surface.
+        own = np.zeros((len(p), 3, 3))
+        slope = -self.loads.copy()
+        value = self._add_hulls(p, value, slope, own)
+        if self.floor is not None:
+            sunk = np.array([self.floor.height(float(x), float(y)) - z for x, y, z in p])
+            sunk = np.maximum(0.0, sunk)
+            value += float(0.5 * self.hard * (sunk**2).sum())
+            slope[:, 2] -= self.hard * sunk  # of a slope the rise alone: it need only come near
+            own[:, 2, 2] += self.hard * (sunk > 0.0)
+        force = (stiff * over)[:, None] * unit
+        np.add.at(slope, right, force)
+        np.add.at(slope, left, -force)
+        return value, *self._of_unknowns(slope, string, own)
+
+    def _add_hulls(self, p: FloatArray, value: float, slope: FloatArray, own: FloatArray) -> float:
+        """What has left the water lifts no more: by as much as its middle is above the surface."""
+        for index, middle, half, lift in self.hulls:
             high = 0.5 * (p[index, 2] + middle) / half + 0.5
             dry = min(1.0, max(0.0, high))
             above = max(0.0, p[index, 2] + middle - half)
             value += lift * (half * dry**2 + above)
             slope[index, 2] += lift * dry
             own[index, 2, 2] += 0.5 * lift / half if 0.0 < high < 1.0 else 0.0
-        if floor is not None:
-            sunk = np.array([floor.height(float(x), float(y)) - z for x, y, z in p])
-            sunk = np.maximum(0.0, sunk)
-            value += float(0.5 * hard * (sunk**2).sum())
-            slope[:, 2] -= hard * sunk  # of a slope the rise alone: it need only come near
-            own[:, 2, 2] += hard * (sunk > 0.0)
-        force = (stiff * over)[:, None] * unit
-        np.add.at(slope, right, force)
-        np.add.at(slope, left, -force)
-        out = np.zeros((len(free), 3))
+        return value
+
+    def _of_unknowns(
+        self, slope: FloatArray, string: FloatArray, own: FloatArray
+    ) -> tuple[FloatArray, csc_matrix]:
+        """Gradient and Hessian of the free places, from those of all masses: blocks of strings and
+        of masses."""
+        from scipy.sparse import csc_matrix
+
+        left, right, where = self.left, self.right, self.ties.unknown
+        used = where >= 0
+        out = np.zeros((len(self.ties.free), 3))
         np.add.at(out, where[used], slope[used])
-        rows = np.concatenate([left, right, left, right, np.arange(count)])
-        columns = np.concatenate([left, right, right, left, np.arange(count)])
+        every = np.arange(len(slope))
+        rows = np.concatenate([left, right, left, right, every])
+        columns = np.concatenate([left, right, right, left, every])
         blocks = np.concatenate([string, string, -string, -string, own])
         keep = used[rows] & used[columns]
         i, j = where[rows[keep]], where[columns[keep]]
@@ -317,19 +383,38 @@ def first_guess(
             (3 * i[:, None, None] + axes[:, None] + 0 * axes).ravel(),
             (3 * j[:, None, None] + 0 * axes[:, None] + axes).ravel(),
         )
-        shape = 3 * len(free), 3 * len(free)
-        return value, out, csc_matrix((blocks[keep].ravel(), at), shape=shape)
+        return out, csc_matrix((blocks[keep].ravel(), at), shape=(out.size, out.size))
 
+
+@dataclass(frozen=True)
+class _Adrift:
+    """What nothing holds, in groups that move together: each is where the scene puts its bodies,
+    on the average; else at the middle of what is fixed."""
+
+    middle: FloatArray
+    groups: list[NDArray[np.bool_]]
+    """Of all masses, which belong to each (count,)."""
+    put: list[dict[int, FloatArray]]
+    """Of each, where bodies of it are put (3,) [m]."""
+    given: dict[int, FloatArray]
+    """Of all free bodies, where the scene puts them [m]."""
+
+
+def _adrift(scene: SystemScene, masses: _Masses, ties: _Ties) -> _Adrift:
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    bodies, fixed, count = masses.bodies, ties.fixed, masses.count
+    left, right, _rest = masses.strings
     middle = np.mean(list(fixed.values()), axis=0) if fixed else np.zeros(3)
-    start = np.tile(middle, (len(free), 1))
+    is_free = set(ties.free.tolist())
     given = {
         bodies[name]: np.array(body.position)
         for name, body in scene.bodies.items()
-        if body.position is not None and column[bodies[name]] >= 0
+        if body.position is not None and bodies[name] in is_free
     }
-    # What nothing holds is where the scene puts its bodies, on the average; else at the middle.
     ones = np.ones(len(left) + count)
-    tied = np.concatenate([left, np.arange(count)]), np.concatenate([right, owner_of])
+    tied = np.concatenate([left, np.arange(count)]), np.concatenate([right, ties.owner])
     group = connected_components(csc_matrix((ones, tied), shape=(count, count)), False)[1]
     groups = [group == k for k in set(group.tolist()) - {group[k] for k in fixed}]
     put = [
@@ -337,26 +422,44 @@ def first_guess(
         or {k: middle for k in bodies.values() if members[k]}
         for members in groups
     ]
-    for members, wanted in zip(groups, put, strict=True):
+    return _Adrift(middle, groups, put, given)
+
+
+def first_guess(
+    scene: SystemScene, velocity: FloatArray, aside: dict[str, FloatArray] | None = None
+) -> Guess:
+    """The first places.
+
+    velocity: of the frame in which the start is at rest (3,) [m/s]; aside: by line, a way in which
+    it is drawn (3,): slack that would hang doubled below itself opens into a bight.
+    """
+    masses = _masses_of(scene)
+    loads = _loads(scene, masses, velocity, aside)
+    ties = _ties_of(scene, masses)
+    energy = _Energy(scene, masses, ties, loads)
+    adrift = _adrift(scene, masses, ties)
+    start = np.tile(adrift.middle, (len(ties.free), 1))
+    for members, wanted in zip(adrift.groups, adrift.put, strict=True):
         if wanted:
-            start[where[members]] = np.mean(list(wanted.values()), axis=0)
-    for index, near in given.items():
-        start[column[index]] = near
+            start[ties.unknown[members]] = np.mean(list(wanted.values()), axis=0)
+    for index, near in adrift.given.items():
+        start[ties.unknown[index]] = near
     rng = np.random.default_rng(0)  # no string may have length 0
-    start += 1e-3 * float(rest.min()) * rng.standard_normal(start.shape)
-    sizes = np.linalg.norm(pulls, axis=1)
-    least = float(sizes[sizes > 0.0].min(initial=total))
-    adrift = [np.unique(where[members]) for members in groups]
-    for stretch in STRETCH if len(free) else ():
-        mean = float(rest.mean())
-        start = _lowest(partial(energy, stretch=stretch), start, total, least, mean, adrift)
-    p = places(start) if len(free) else base
-    for members, wanted in zip(groups, put, strict=True):
+    start += 1e-3 * float(energy.rest.min()) * rng.standard_normal(start.shape)
+    sizes = np.linalg.norm(loads, axis=1)
+    least = float(sizes[sizes > 0.0].min(initial=energy.total))
+    together = [np.unique(ties.unknown[members]) for members in adrift.groups]
+    for stretch in STRETCH if len(ties.free) else ():
+        mean = float(energy.rest.mean())
+        so_stiff = partial(energy, stretch=stretch)
+        start = _lowest(so_stiff, start, energy.total, least, mean, together)
+    p = ties.places(start)
+    for members, wanted in zip(adrift.groups, adrift.put, strict=True):
         if wanted:
             p[members, :2] += np.mean([at - p[k] for k, at in wanted.items()], axis=0)[:2]
     return Guess(
-        arcs,
-        {name: p[nodes] for name, nodes in lines.items()},
-        {name: p[index] for name, index in bodies.items()},
+        masses.arcs,
+        {name: p[nodes] for name, nodes in masses.lines.items()},
+        {name: p[index] for name, index in masses.bodies.items()},
         {name: axes_of(body.attitude) for name, body in scene.bodies.items()},
     )

@@ -79,16 +79,11 @@ def instability(built: Built) -> UnstableStartWarning | None:
     )
 
 
-def allowed_tension(built: Built) -> float:
-    """What tensions may be wrong by [N]."""
-    state = built.block.scalars
-    return 10.0 * state.tolerance * max(state.largest_tension, state.tension_scale)
-
-
 def is_pressed(built: Built) -> bool:
     """Whether some of a line is pressed by more than tensions may be wrong by."""
-    means = built.block.array(Header.tension, built.nodes, 2)[:, 0]
-    return bool(means.min() < -allowed_tension(built))
+    worst = np.empty(3)
+    entry.worst_of_shape(built.block.ints, built.block.reals, worst)
+    return bool(worst[2] < 0.0)
 
 
 def fastest_growth(

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.scene.environment import Floor
 from cablemodel.scene.line import Cable
 from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
@@ -522,18 +521,6 @@ def fill_feet(scene: SystemScene, built: Built) -> None:
         row[at.Foot.load] = max(body.weight_in(scene.environment), least) / count
 
 
-def normal_at(floor: Floor, place: FloatArray) -> FloatArray:
-    """Of the floor below a place (3,)."""
-    x, y = float(place[0]), float(place[1])
-    step = 1e-3
-    rise = [
-        (floor.height(x + step, y) - floor.height(x - step, y)) / (2.0 * step),
-        (floor.height(x, y + step) - floor.height(x, y - step)) / (2.0 * step),
-    ]
-    normal = np.array([-rise[0], -rise[1], 1.0])
-    return np.asarray(normal / np.linalg.norm(normal))
-
-
 def hold_feet(scene: SystemScene, built: Built) -> None:
     """While a start is sought friction holds bodies that stand where the scene puts them, by their
     places there; others slide to where their lines lead them."""
@@ -549,27 +536,16 @@ def hold_feet(scene: SystemScene, built: Built) -> None:
 
 
 def rest_feet(scene: SystemScene, built: Built) -> None:
-    """Make the present places of feet those of rest; of bodies that friction held as the start was
-    sought, those from which it does so, or slips."""
+    """Make the present places of feet those of rest, and let friction hold them."""
+    from cablemodel.solvers import library as entry
+
     floor = scene.environment.floor
     if floor is None:
         return
-    block, count = built.block, len(scene.bodies)
-    stands, feet = standing(scene), feet_of(scene)
-    bodies = block.array(Header.free_bodies, count, at.FREE_WORDS)
-    for row, (name, _place) in zip(
-        block.array(Header.feet, len(feet), at.FOOT_WORDS), feet, strict=True
-    ):
-        row[at.Foot.friction] = floor.friction
-        motion = at.FreeBody(bodies[int(row[at.Foot.body])], 0).motion
-        place = motion.turn.reshape(3, 3) @ row[at.Foot.place.span]
-        place += motion.reference.position
-        slipped = place - row[at.Foot.rest.span]
-        slipped -= (slipped @ normal_at(floor, place)) * normal_at(floor, place)
-        length = float(np.linalg.norm(slipped))
-        limit = block.scalars.bristle if name in stands else 0.0
-        kept = 1.0 if length <= limit else limit / length
-        row[at.Foot.rest.span] = place - kept * slipped
+    block = built.block
+    entry.rest_feet(block.ints, block.reals)
+    rows = block.array(Header.feet, int(block.header.foot_count), at.FOOT_WORDS)
+    rows[:, at.Foot.friction] = floor.friction
 
 
 def fill_closures(scene: SystemScene, built: Built) -> None:

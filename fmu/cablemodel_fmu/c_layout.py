@@ -11,6 +11,7 @@ import json
 from types import ModuleType
 from typing import Any
 
+from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers import estimating as error_estimate
 from cablemodel.solvers.direct import block as direct_block
 from cablemodel.solvers.direct import failures as direct_failures
@@ -18,7 +19,7 @@ from cablemodel.solvers.direct.kernels import layout as direct_layout
 from cablemodel.solvers.finite_element import block, failures
 from cablemodel.solvers.shared import layout
 from cablemodel.solvers.shared.record import Record, c_struct, records
-from cablemodel_fmu import shared_numbers
+from cablemodel_fmu import file_records, shared_numbers
 
 ACCESS = (
     "/* The word of a record at which a field starts. */",
@@ -38,6 +39,9 @@ ACCESS = (
     "}",
     "static inline Line *line_of(const int64_t *I, int64_t n) {",
     "    return (Line *)(I + header(I)->lines + n * LINE_WORDS);",
+    "}",
+    "static inline const FileHeader *file_header(const int64_t *file) {",
+    "    return (const FileHeader *)file;",
     "}",
     "#define OWN_WORDS (HEADER_WORDS + SCALAR_WORDS)",
     "static inline OwnHeader *own_header(const int64_t *I) {",
@@ -74,16 +78,17 @@ def _text(value: object) -> str:
 
 
 def start_constants() -> dict[str, float]:
-    """Numbers by which start/ derives a block from the lengths of its cables, and by which what
-    is read of a system is placed, and looks ahead."""
+    """Numbers by which start/ derives a block from the lengths of its cables, by which what is read
+    of a system is placed, and looks ahead, and by which inputs are refused."""
     from cablemodel.solvers.finite_element import stability
     from cablemodel.solvers.finite_element.kernels.outputs import interface
-    from cablemodel.solvers.finite_element.start import continuation as continuation
     from cablemodel.solvers.finite_element.start import (
+        continuation,
         firm_friction,
         refinement,
         scales,
     )
+    from cablemodel_fmu.signals import LARGEST
 
     return {
         "BENT": refinement.REFINEMENT_BENT,
@@ -96,6 +101,9 @@ def start_constants() -> dict[str, float]:
         "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
         "DRAWINGS": firm_friction.DRAWINGS,
         "AHEAD": interface.RATE_AHEAD,
+        "FURTHEST": LARGEST["m"],
+        "FASTEST": LARGEST["m/s"],
+        "AT_REST": AT_REST,
     }
 
 
@@ -129,7 +137,7 @@ def header(kernel_hash: str) -> str:
     for name, value in constants(layout).items():
         if not name.startswith("_"):
             lines.append(f"#define {name} INT64_C({value})")
-    for record in [*records(layout), *records(direct_layout)]:
+    for record in [*records(layout), *records(direct_layout), *records(file_records)]:
         lines += [_struct(record), _same_size(record)]
     lines += list(ACCESS)
     for name, value in constants(shared_numbers).items():

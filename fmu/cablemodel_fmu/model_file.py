@@ -1,7 +1,7 @@
 """``resources/model.bin``: what the shared library needs to know of one scene; ``finer.bin``, where
 its errors are estimated: the same of the finer run.
 
-64-bit little-endian words; the C side (c/cable.h, c/model_file.c) checks all of them.
+Words of file_records.py; the C side (c/model_file.c) checks all of them.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers.library import kernel_hash
 from cablemodel.solvers.protocol import Memory
+from cablemodel.solvers.shared.record import dtype_of
 from cablemodel_fmu import shared_numbers as number
 from cablemodel_fmu.c_layout import hash_number
+from cablemodel_fmu.file_records import NAME_WORDS, FileHeader, Parameter
 from cablemodel_fmu.signals import Coefficient
 
 LARGEST = 1e30
@@ -60,58 +62,60 @@ class ModelFile:
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
         image = self.block.image
-        header = np.zeros(number.F_HEADER_WORDS, dtype="<i8")
-        reals = header.view("<f8")
-        header[:2] = number.FILE_MAGIC, number.FILE_FORMAT
-        header[number.F_KERNELS] = hash_number(kernel_hash())
-        header[number.F_GUID : number.F_GUID + 5] = np.frombuffer(
-            self.guid.encode().ljust(40, b"\0"), "<i8"
+        header = np.zeros(1, dtype_of(FileHeader))[0]
+        header["magic"], header["format"] = number.FILE_MAGIC, number.FILE_FORMAT
+        header["kernels"] = hash_number(kernel_hash())
+        header["guid"] = self.guid.encode()
+        header["flags"] = self._flags()
+        header["image_words"] = len(image)
+        header["block_words"] = int(self.block.header.byte_count) // 8
+        header["stations"] = self.stations
+        header["parameter_count"] = len(self.coefficients)
+        header["inputs"] = self.starts
+        header["frame"][: len(self.frame)] = self.frame
+        header["facts"][: len(self.facts)] = self.facts
+        rows = np.array([_row(item) for item in self.coefficients], dtype_of(Parameter))
+        header["system_words"] = len(self.system)
+        words = len(rows) * Parameter.WORDS + len(self.system) + len(image)
+        header["words"] = FileHeader.WORDS + words
+        parts = rows, self.system, image.astype("<i8")
+        behind = b"".join(part.tobytes() for part in parts)
+        summed = 8 * FileHeader.kernels.word  # what the checksum is of begins there
+        header["checksum"] = zlib.crc32(header.tobytes()[summed:] + behind)
+        first: bytes = header.tobytes()
+        return first + behind
+
+    def _flags(self) -> int:
+        flags = (
+            (number.FLAG_SCENE_INPUTS, self.scene_inputs),
+            (number.FLAG_STATIC, self.static),
+            (number.FLAG_PINNED, self.pinned),
+            (number.FLAG_ESTIMATE, self.estimate),
+            (number.FLAG_IGNORE, self.ignore),
+            (number.FLAG_MOVABLE, self.movable),
+            (number.FLAG_LEVEL, self.level),
+            (number.FLAG_LEAVES, self.leaves),
+            (number.FLAG_AT_START, self.at_start),
         )
-        header[number.F_FLAGS] = sum(
-            flag
-            for flag, holds in (
-                (number.FLAG_SCENE_INPUTS, self.scene_inputs),
-                (number.FLAG_STATIC, self.static),
-                (number.FLAG_PINNED, self.pinned),
-                (number.FLAG_ESTIMATE, self.estimate),
-                (number.FLAG_IGNORE, self.ignore),
-                (number.FLAG_MOVABLE, self.movable),
-                (number.FLAG_LEVEL, self.level),
-                (number.FLAG_LEAVES, self.leaves),
-                (number.FLAG_AT_START, self.at_start),
-                (number.FLAG_VESSEL_INPUT_UNIT * self.vessel_input, True),
-            )
-            if holds
+        return sum(flag for flag, holds in flags if holds) + (
+            number.FLAG_VESSEL_INPUT_UNIT * self.vessel_input
         )
-        header[number.F_IMAGE_WORDS : number.F_PARAMETERS + 1] = (
-            len(image),
-            int(self.block.header.byte_count) // 8,
-            self.stations,
-            len(self.coefficients),
-        )
-        reals[number.F_INPUTS : number.F_INPUTS + number.VR_INPUTS] = self.starts
-        reals[number.F_FRAME : number.F_FRAME + len(self.frame)] = self.frame
-        reals[number.F_FACTS : number.F_FACTS + len(self.facts)] = self.facts
-        rows = np.zeros((len(self.coefficients), 8 + number.NAME_WORDS), dtype="<i8")
-        values = rows.view("<f8")
-        for row, value, item in zip(rows, values, self.coefficients, strict=True):
-            row[:3] = item.kind, item.word, item.index
-            least = -LARGEST if item.signal.minimum is None else item.signal.minimum
-            most = LARGEST if item.signal.maximum is None else item.signal.maximum
-            value[3:8] = item.factor, item.signal.start, least, most, item.reach
-            row[8:] = np.frombuffer(name_words(item.signal.name), "<i8")
-        header[number.F_SYSTEM_WORDS] = len(self.system)
-        header[number.F_WORDS] = number.F_HEADER_WORDS + rows.size + len(self.system) + len(image)
-        parts = header[number.F_KERNELS :], rows, self.system, image.astype("<i8")
-        body = b"".join(part.tobytes() for part in parts)
-        header[number.F_CHECKSUM] = zlib.crc32(body)
-        return header[: number.F_KERNELS].tobytes() + body
 
 
-def name_words(name: str) -> bytes:
-    """A variable's name, or its beginning where it is too long, ended by zeros."""
-    most = 8 * number.NAME_WORDS - 1
+def _row(item: Coefficient) -> tuple[int | float | bytes, ...]:
+    """A Parameter."""
+    signal = item.signal
+    assert signal.start is not None
+    least = -LARGEST if signal.minimum is None else signal.minimum
+    most = LARGEST if signal.maximum is None else signal.maximum
+    place = item.kind, item.word, item.index
+    return *place, item.factor, signal.start, least, most, item.reach, name_bytes(signal.name)
+
+
+def name_bytes(name: str) -> bytes:
+    """A variable's name, or its beginning where it is too long."""
+    most = 8 * NAME_WORDS - 1
     whole = name.encode()
     if len(whole) > most:
         whole = whole[: most - 3].decode(errors="ignore").encode() + b"..."
-    return whole.ljust(8 * number.NAME_WORDS, b"\0")
+    return whole

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cablemodel.scene.line import Cable
 from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.record import dtype_of
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import standing
 from cablemodel.systems.motion import first_angles, turning
@@ -29,7 +30,8 @@ from cablemodel.variables import (
     inputs_of_system,
     outputs_of,
 )
-from cablemodel_fmu.model_file import name_words
+from cablemodel_fmu.file_records import PartRow
+from cablemodel_fmu.model_file import name_bytes
 from cablemodel_fmu.shared_numbers import (
     OF_FREE,
     VR_PARAMETER,
@@ -278,12 +280,12 @@ def section(scene: SystemScene, built: Built, by: int) -> NDArray[np.int64]:
 
 
 def _row(signal: Signal) -> NDArray[np.int64]:
-    """Start, least, most, name."""
+    """A PartRow."""
     assert signal.start is not None
     most = _ALLOWED[signal.unit] if signal.maximum is None else signal.maximum
     least = -most if signal.minimum is None else signal.minimum
-    numbers = np.array([signal.start, least, most], dtype="<f8")
-    return np.concatenate([numbers.view("<i8"), np.frombuffer(name_words(signal.name), "<i8")])
+    row = np.array([(signal.start, least, most, name_bytes(signal.name))], dtype_of(PartRow))
+    return np.frombuffer(row.tobytes(), "<i8")
 
 
 def fastest_vessel(scene: SystemScene) -> float:

@@ -21,11 +21,10 @@ from cablemodel.systems.inputs import motion_given
 from cablemodel.systems.model import read_scene
 from cablemodel.variables import is_system
 from cablemodel_fmu.export import block_of
+from cablemodel_fmu.shared_numbers import STATE_APPLIED
 
-_APPLIED = 10
-"""Word of a state where the inputs of the last step are; `Controls` in c/cable.h."""
-_LAST_STEP = _APPLIED + at.INPUT_WORDS
-"""And the length of that step, behind them."""
+_LAST_STEP = STATE_APPLIED + at.INPUT_WORDS
+"""Word of a state that holds the length of the last step."""
 
 
 class FmuLog:
@@ -131,7 +130,7 @@ class _Follower(CableModel):
     def take(self, state: NDArray[np.int64]) -> dict[str, Any]:
         """A state of the FMU: the next step ends there. Returns the inputs that led to it."""
         self._next = state[-_image_words(self._solver.memory, state) :]
-        applied = state[_APPLIED : _APPLIED + at.INPUT_WORDS].view(np.float64)
+        applied = state[STATE_APPLIED : STATE_APPLIED + at.INPUT_WORDS].view(np.float64)
         inputs = at.StepInputs(applied, 0)
         given: dict[str, Any] = {}
         if inputs.velocity_given != 0.0:

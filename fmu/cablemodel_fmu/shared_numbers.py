@@ -21,15 +21,7 @@ VR_BODY = 20_000_000
 VR_SYSTEM_INPUT, VR_SYSTEM_CHOICE = 100_000_000, 200_000_000
 VR_SYSTEM_OUTPUT, VR_SYSTEM_START = 300_000_000, 400_000_000
 
-# Words of resources/model.bin and of finer.bin, all 64 bits, little endian.
-F_MAGIC, F_FORMAT, F_WORDS, F_CHECKSUM, F_KERNELS = range(5)
-F_GUID = 5  # 40 characters, padded with zeros
-F_FLAGS, F_IMAGE_WORDS, F_BLOCK_WORDS, F_STATIONS, F_PARAMETERS = range(10, 15)
-F_SYSTEM_WORDS = 15  # between parameters and image: parts.py
-F_INPUTS = 16
-F_FRAME = F_INPUTS + VR_INPUTS
-F_FACTS = 32  # of the line as a whole: LineFacts
-F_HEADER_WORDS = 48
+# Of resources/model.bin and of finer.bin: file_records.py.
 FILE_MAGIC = 0x554D46454C424143  # "CABLEFMU"
 FILE_FORMAT = 4
 
@@ -48,4 +40,6 @@ FLAG_LEAVES = 1024  # small motions about the exported start may grow by themsel
 # A coefficient of a cable type, of a body in a line or of a free body; the length of a cable of the
 # line or on the drum.
 OF_CABLES, OF_BODY, OF_FREE, OF_LINE, OF_DRUM = range(5)
-NAME_WORDS = 12  # of its variable's name, for messages
+
+# Word of a saved state at which the StepInputs of the last step begin; its length is behind them.
+STATE_APPLIED = 10

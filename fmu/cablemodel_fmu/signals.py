@@ -60,7 +60,7 @@ _BODY = {
 }
 
 LARGEST = {"m": 1e7, "m/s": 1e3}
-"""Of inputs, by their unit, either way: FURTHEST and FASTEST in c/cable.h."""
+"""Of inputs, by their unit, either way."""
 
 SHORTEST, LONGEST = 0.5, 2.0
 """Lengths that may be set, in units of the scene's: elements keep their number, which is right for

@@ -17,7 +17,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 import cablemodel as cm
 from cablemodel_fmu.export import export_fmu
-from cablemodel_fmu.shared_numbers import F_HEADER_WORDS, NAME_WORDS
+from cablemodel_fmu.file_records import FileHeader, Parameter
 
 CABLE = {
     "diameter": 0.01666,
@@ -279,11 +279,12 @@ def assert_same_bits(slave: Slave, model, stations: int) -> None:
 
 def sealed(data: bytearray) -> bytes:
     """With the checksum that belongs to the contents: what a vandal with a manual would write."""
-    data[24:32] = struct.pack("<q", zlib.crc32(data[32:]))
+    at, behind = 8 * FileHeader.checksum.word, 8 * FileHeader.kernels.word
+    data[at:behind] = struct.pack("<q", zlib.crc32(data[behind:]))
     return bytes(data)
 
 
 def image_start(data: bytes) -> int:
     """Where the block begins."""
-    parameters = struct.unpack_from("<q", data, 8 * 14)[0]
-    return 8 * (F_HEADER_WORDS + (8 + NAME_WORDS) * parameters)
+    parameters = struct.unpack_from("<q", data, 8 * FileHeader.parameter_count.word)[0]
+    return 8 * (FileHeader.WORDS + Parameter.WORDS * parameters)

@@ -25,7 +25,7 @@ from fmu_tools import (
 import cablemodel as cm
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
-from cablemodel_fmu.shared_numbers import F_HEADER_WORDS
+from cablemodel_fmu.file_records import FileHeader, Parameter
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATIONS = 5
@@ -365,9 +365,9 @@ def _damaged(still, how: str) -> bytes | None:
         finer[len(finer) // 2] ^= 1
         return bytes(finer)
     if how == "another FMU":
-        finer[8 * 5 + 3] ^= 1
+        finer[8 * FileHeader.guid.word + 3] ^= 1
     elif how == "parameters":  # the largest value of the first: the kernels' bounds are the model's
-        struct.pack_into("<d", finer, 8 * (F_HEADER_WORDS + 6), 1e29)
+        struct.pack_into("<d", finer, 8 * (FileHeader.WORDS + Parameter.maximum.word), 1e29)
     elif how == "an offset":
         finer[image_start(finer) + 8 * Header.edges.word] ^= 1
     return sealed(finer)

@@ -1,4 +1,4 @@
-"""The blocks' records: their words follow each other, and every view of them says the same."""
+"""Records of blocks and of model files: words follow each other, and every view says the same."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,18 @@ import pytest
 from cablemodel.solvers.direct.kernels import layout as own
 from cablemodel.solvers.finite_element.block import SIZES, Block
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.record import Part, Several, Spare, c_struct, dtype_of, records
+from cablemodel.solvers.shared.record import (
+    Part,
+    Several,
+    Spare,
+    Text,
+    c_struct,
+    dtype_of,
+    records,
+)
+from cablemodel_fmu import file_records
 
-RECORDS = [*records(at), *records(own)]
+RECORDS = [*records(at), *records(own), *records(file_records)]
 
 
 def test_kernels_and_c_tell_records_by_their_names():
@@ -32,7 +41,7 @@ def test_views_by_name_write_what_numpy_reads(record):
     memory = np.zeros(record.WORDS + 1, dtype=np.int64)
     structured = memory[1:].view(dtype_of(record))[0]
     for name, field in record.FIELDS.items():
-        if isinstance(field, (Part, Spare)):
+        if isinstance(field, (Part, Spare, Text)):
             continue
         memory[:] = 0
         view = record(memory if field.kind == "i8" else memory.view(np.float64), 1)
@@ -58,6 +67,9 @@ def test_every_field_says_what_it_is(record):
         (at.BeginRows,),
         (at.FilterRows,),
         (at.SolvedRows,),
+        (at.AlongRows,),
+        (at.ConsistentRows,),
+        (at.ResponseRows,),
     ],
 )
 def test_users_of_spare_rows_that_are_at_work_together_do_not_meet(together):
@@ -76,6 +88,16 @@ def test_users_of_spare_rows_that_are_at_work_together_do_not_meet(together):
     first = places.index(at.Header.stage_velocity.word)
     assert places[first + 1] == at.Header.stage_acceleration.word
     assert [length for _place, length in workspace[first : first + 2]] == [at.STAGE_ROWS] * 2
+
+
+@pytest.mark.parametrize("rows", [at.AlongRows, at.SlackRows])
+def test_what_looks_along_lines_leaves_what_was_solved_for(rows):
+    """Only compliances, which have been given back by then, are in its place."""
+    own = [field for field in rows.FIELDS.values() if not isinstance(field, Spare)]
+    softness = at.SolvedRows.softness
+    assert min(field.word for field in own) >= softness.word
+    assert max(field.word + field.words for field in own) <= softness.word + softness.words
+    assert softness.word + softness.words == at.SolvedRows.WORDS == at.SPARE_ROWS
 
 
 def test_what_there_is_one_of_stands_where_a_block_has_it():

@@ -130,7 +130,7 @@ def _tension_scale(scene: Scene) -> float:
 
 
 def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
-    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
+    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their jumps."""
     from cablemodel.scene.motion import jumps
 
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)

@@ -222,8 +222,8 @@ def changing(I, M, t, ahead):
     """What of the current changes at time t: the row of the scene's table before it, one over the
     time to the next row, and one over the time of the caller's (-1: as before that); 0: nothing.
 
-    At a kink it is the piece that ends there, or, ahead, the one that begins. Until t = 0 nothing
-    changes: static starts are in a current that stays as it is.
+    At a breakpoint it is the piece that ends there, or, ahead, the one that begins. Until t = 0
+    nothing changes: static starts are in a current that stays as it is.
     """
     head = header(I)
     state = scalars(M)

@@ -1012,7 +1012,51 @@ class SolvedRows(Record):
     rates = reals(6, "of those", "N/s")
     curved = reals(6, "what curvature takes of a rate of stretch")
     strained = reals(6, "rates of strain")
-    softness = reals(6, "compliances that are set aside, and sums along the line")
+    softness = reals(6, "compliances that are set aside while tensions are solved for")
+
+
+class AlongRows(Record):
+    """Of sums along lines from an end that is held: rings.py, waves.py. Tensions that were solved
+    for may wait meanwhile, whose compliances have been given back."""
+
+    _spare = spare(SolvedRows.softness.word)
+    displacements = real("in the first motion along itself, by a unit of gravity", "s2")
+    masses = real("at each node", "kg")
+    beyond = real("what hangs, or swings, beyond it")
+    closed = real("cycles that lines close beyond it")
+    times = real("in which sound comes there from the end", "s")
+    speeds = real("by which what is before it is stretched", "m/s")
+
+
+class SlackRows(Record):
+    """Of the tension from which a line is taut again: slack.py, as a step is taken, too."""
+
+    _spare = spare(SolvedRows.softness.word)
+    ties = real("how much holds each node")
+
+
+class ConsistentRows(Record):
+    """Of a state that is made consistent between steps, as it was: consistency.py."""
+
+    places = reals(6, "and slopes", "m")
+    velocities = reals(6, "of them", "m/s")
+    accelerations = reals(6, "before an end's velocity jumped", "m/s2")
+    tensions = reals(2, "of it", "N")
+    rates = reals(2, "of those", "N/s")
+
+
+class SummaryRows(Record):
+    """Of what is read of a state: summary.py."""
+
+    elements = real("of the line, by their numbers")
+
+
+class ResponseRows(Record):
+    """Of a change of the tow point's motion: interface.py."""
+
+    motion = reals(6, "of places and slopes", "m")
+    forces = reals(6, "that go with it", "N")
+    solution = reals(6, "what all else moves by", "m")
 
 
 # Elements at a touchdown.

@@ -115,6 +115,10 @@ class Part(Field):
         return self if record is None else self.of(record._words, record._first + self.word)
 
 
+class Text(Field):
+    """Characters, ended by zeros: of what is written for elsewhere, not of a block."""
+
+
 class Spare(Field):
     """Words that nothing uses."""
 
@@ -132,6 +136,11 @@ def real(meaning: str, unit: str = "") -> Real:
 def reals(words: int, meaning: str, unit: str = "") -> Several:
     """So many numbers."""
     return Several(meaning, unit, words)
+
+
+def text(words: int, meaning: str) -> Text:
+    """Characters, eight in a word."""
+    return Text(meaning, words=words)
 
 
 def part(of: type[Record], meaning: str) -> Part:
@@ -184,6 +193,8 @@ def dtype_of(record: type[Record]) -> np.dtype[Any]:
     formats: list[Any] = [
         dtype_of(field.of)
         if isinstance(field, Part)
+        else f"S{8 * field.words}"
+        if isinstance(field, Text)
         else (field.kind, (field.words,))
         if isinstance(field, (Several, Spare))
         else field.kind
@@ -196,10 +207,12 @@ def c_struct(record: type[Record]) -> str:
     """The record as a struct of C."""
     lines = ["typedef struct {"]
     for name, field in record.FIELDS.items():
+        several = f"[{field.words}]" if isinstance(field, (Several, Spare)) else ""
         if isinstance(field, Part):
             kind = field.of.__name__
+        elif isinstance(field, Text):
+            kind, several = "char", f"[{8 * field.words}]"
         else:
             kind = "int64_t" if field.kind == INTEGER else "double"
-        several = f"[{field.words}]" if isinstance(field, (Several, Spare)) else ""
         lines.append(f"    {kind} {name}{several};")
     return "\n".join([*lines, f"}} {record.__name__};"])

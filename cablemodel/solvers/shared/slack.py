@@ -19,8 +19,8 @@ NONE = 1e300  # tension of what has no cable off the floor
 @kernel
 def taut_from(lowest, largest, weight):
     """The tension above which a line is taut again, from those at its start, and its weight."""
-    pull = TAUT * max(largest, weight)
-    return min(pull, SLACK_LOWEST * lowest) if lowest > 0.0 else pull
+    threshold = TAUT * max(largest, weight)
+    return min(threshold, SLACK_LOWEST * lowest) if lowest > 0.0 else threshold
 
 
 @kernel

@@ -7,8 +7,7 @@
 #include "cable.h"
 
 const int64_t *initial_image(const Cable *cable) {
-    return cable->file + F_HEADER_WORDS + cable->file[F_SYSTEM_WORDS] +
-           cable->parameter_count * (int64_t)(sizeof(Parameter) / 8);
+    return (const int64_t *)(cable->parameters + cable->parameter_count) + file_header(cable->file)->system_words;
 }
 
 void outputs_changed(Cable *cable) {
@@ -27,7 +26,7 @@ void restart_cable(Cable *cable) {
         cable->values[n] = cable->parameters[n].start;
     const size_t identity = offsetof(Controls, phase);
     memset((char *)&cable->now + identity, 0, sizeof cable->now - identity);
-    memcpy(cable->now.input, cable->file + F_INPUTS, sizeof cable->now.input);
+    memcpy(cable->now.input, file_header(cable->file)->inputs, sizeof cable->now.input);
     memcpy(cable->now.start, cable->now.input + VR_POSITION, 3 * sizeof(double));
     memcpy(cable->now.start + 3, cable->now.input + VR_VELOCITY, 3 * sizeof(double));
     cable->now.phase = INSTANTIATED;
@@ -515,7 +514,7 @@ static const char *check_motion(Cable *cable, int is_position, double value) {
 static const char *check_start(Cable *cable, unsigned vr, double value) {
     if (cable->now.phase == STEPPING)
         return "a start is fixed: set it before the end of the initialization";
-    const double *scene = (const double *)cable->file + F_INPUTS;
+    const double *scene = file_header(cable->file)->inputs;
     const int is_position = vr < VR_START_VELOCITY;
     const double own =
         is_position ? scene[VR_POSITION + vr - VR_START] : scene[vr - VR_START_VELOCITY];

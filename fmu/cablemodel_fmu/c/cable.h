@@ -18,28 +18,11 @@ enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
 #define LARGEST_COUNT (INT64_C(1) << 22) /* of anything in a block */
 #define LARGEST_FILE (INT64_C(1) << 33)  /* and of a block [bytes] */
 #define PI 3.14159265358979323846
-#define FURTHEST 1e7 /* of positions [m] */
-#define FASTEST 1e3  /* of velocities and rates [m/s] */
 /* What a first step by position may change of a vessel's speed and of its rates of turn, on the
    average, without a warning: more than that is a start elsewhere. As limits.speed and
    limits.turn_rate of the ROS 2 node. */
 #define JUMP_SPEED 10.0 /* [m/s] */
 #define JUMP_RATE 1.0   /* [rad/s] */
-
-/* A tunable coefficient: word = factor * value in the edges of a cable type, in a body of a line or in a
-   free body, whose buoyancy is its weight in air and that. Or a
-   length that is fixed at the start, of a cable of the line or on the drum: from the vessel outwards,
-   and in the order in which they leave the drum. */
-typedef struct {
-    int64_t kind, word; /* of a length on a drum of a system, the winch */
-    int64_t index; /* of the cable type, row of the table of bodies, free bodies or cables */
-    double factor; /* of a length of the line: its part in the typical tension [N/m] */
-    double start, minimum, maximum;
-    /* Of a length of the line: how far it can reach when stretched, in lengths. Of one on a drum of a
-       system: 1 where the scene counts its elements. */
-    double reach;
-    char name[8 * NAME_WORDS]; /* of the variable, ended by zeros */
-} Parameter;
 
 /* One input of a part of a system: its value, that of the last step, derivatives for the next one,
    whether the master has set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in
@@ -85,6 +68,8 @@ typedef struct {
     int64_t last_mode, last_driven, last_sloped; /* and what drove it */
     int64_t went_on; /* of a line: which inputs drove the step before it, too: ..._SET */
 } Controls;
+_Static_assert(offsetof(Controls, applied) == 8 * STATE_APPLIED, "the applied inputs in a state");
+_Static_assert(offsetof(Controls, last_step) == sizeof(StepInputs) + offsetof(Controls, applied), "and their step");
 
 typedef struct Cable {
     int64_t *file; /* model.bin as read */
@@ -93,6 +78,7 @@ typedef struct Cable {
     const Parameter *parameters;
     double *lengths; /* CableLength of each parameter that is one: lengths_between */
     int64_t length_words;
+    double *gaps; /* how far apart the ends of each line are */
     double *values; /* of the parameters, then what a system's inputs and starts are */
     int64_t value_words;
     System *system;
@@ -144,9 +130,14 @@ int64_t cablemodel_resize_line(void *block, int64_t words, double *lengths, int6
                                double *move, int64_t k);
 int64_t cablemodel_resize_lines(void *block, int64_t words, double *lengths, int64_t n, double *places, int64_t m,
                                 double *grown, int64_t k);
+int64_t cablemodel_rotate_system(void *block, int64_t words, double x, double y, double angle);
+int64_t cablemodel_follow_supports(void *block, int64_t words, double *before, int64_t n, double *grown, int64_t m,
+                                   double *work, int64_t k);
+int64_t cablemodel_start_paying_out(void *block, int64_t words, int64_t number);
 int64_t cablemodel_worst_of_shape(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_ends_apart(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_hold_supports(void *block, int64_t words);
+int64_t cablemodel_rest_feet(void *block, int64_t words);
 int64_t cablemodel_rest_here(void *block, int64_t words);
 int64_t cablemodel_count_from_zero(void *block, int64_t words);
 int64_t cablemodel_restore_bending(void *block, int64_t words);
@@ -298,8 +289,8 @@ void frame_of_rest(const Cable *cable, double frame[3]);
 const char *settle_line(Cable *cable);
 
 /* start.c */
-typedef struct { /* the most that an element bends, in what it can follow, and stretches */
-    double bent, stretched;
+typedef struct { /* the most that an element bends, in what it can follow, and stretches, and by what it is pressed */
+    double bent, stretched, pressed;
 } Shape;
 Shape shape_of(const Cable *cable);
 void judge_shape(Cable *cable, const Shape *before);

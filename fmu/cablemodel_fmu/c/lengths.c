@@ -25,11 +25,11 @@ int differs(const double *a, const double *b) {
 }
 
 static int velocity_changed(const Cable *cable) {
-    return differs(cable->now.start + 3, (const double *)cable->file + F_INPUTS + VR_VELOCITY);
+    return differs(cable->now.start + 3, file_header(cable->file)->inputs + VR_VELOCITY);
 }
 
 static int position_changed(const Cable *cable) {
-    return differs(cable->now.start, (const double *)cable->file + F_INPUTS + VR_POSITION);
+    return differs(cable->now.start, file_header(cable->file)->inputs + VR_POSITION);
 }
 
 /* The cables' lengths for the kernels, from a share of the way from the scene's to those set, to
@@ -52,7 +52,7 @@ double *lengths_between(const Cable *cable, double from, double to) {
 
 /* Where the tow point begins; whether that, or how fast, is not the scene's. */
 static int start_moved(const Cable *cable, StartMove *move) {
-    const double *scene = (const double *)cable->file + F_INPUTS, *start = cable->now.start;
+    const double *scene = file_header(cable->file)->inputs, *start = cable->now.start;
     for (int i = 0; i < 3; i++) move->way[i] = start[i] - scene[VR_POSITION + i];
     memcpy(move->position, start, sizeof move->position);
     memcpy(move->velocity, start + 3, sizeof move->velocity);
@@ -71,8 +71,7 @@ static void move_start(Cable *cable) {
 int64_t line_out_of_reach(Cable *cable, double *length, double *apart) {
     const int64_t *I = cable->I;
     cablemodel_place_supports(cable->I, cable->block_words);
-    double *gaps = cable->M + header(I)->residual; /* workspace */
-    cablemodel_ends_apart(cable->I, cable->block_words, gaps, header(I)->line_count);
+    cablemodel_ends_apart(cable->I, cable->block_words, cable->gaps, header(I)->line_count);
     for (int64_t line = 0; line < header(I)->line_count; line++) {
         double reach = *length = 0.0;
         for (int64_t n = 0; n < header(I)->body_count; n++) {
@@ -85,7 +84,7 @@ int64_t line_out_of_reach(Cable *cable, double *length, double *apart) {
             *length += cable->values[n];
             reach += cable->values[n] * p->reach;
         }
-        *apart = gaps[line];
+        *apart = cable->gaps[line];
         if (*apart > reach) return line;
     }
     return -1;
@@ -103,7 +102,7 @@ static int out_of_reach(Cable *cable) {
 /* The frame in which a static shape is at rest: its velocity in the block's coordinates. */
 void frame_of_rest(const Cable *cable, double frame[3]) {
     const double *velocity = cable->now.start + 3, *plane = scalars(cable->M)->plane;
-    memcpy(frame, cable->file + F_FRAME, 3 * sizeof(double));
+    memcpy(frame, file_header(cable->file)->frame, 3 * sizeof(double));
     if (!velocity_changed(cable)) return;
     memcpy(frame, velocity, 3 * sizeof(double));
     if (header(cable->I)->dimension == 3) return;
@@ -153,7 +152,7 @@ static int64_t find_initial_state(Cable *cable) {
 static int64_t stretch_line(Cable *cable, double from, double to) {
     LineFacts facts;
     StartMove move;
-    memcpy(&facts, cable->file + F_FACTS, sizeof facts);
+    memcpy(&facts, file_header(cable->file)->facts, sizeof facts);
     const int moves = from == 0.0 && start_moved(cable, &move);
     cablemodel_resize_line(cable->I, cable->block_words, lengths_between(cable, from, to), cable->length_words,
                            (double *)&facts, FACT_WORDS, (double *)&move, moves ? START_MOVE_WORDS : 0);

@@ -83,7 +83,7 @@ static const char *read_file(const char *path, int64_t **words, int64_t *count) 
     const char *problem = "cannot be read";
     if (fseek(file, 0, SEEK_END) == 0) {
         const int64_t size = ftell(file);
-        if (size < 8 * F_HEADER_WORDS || size % 8 != 0 || size > LARGEST_FILE) {
+        if (size < (int64_t)sizeof(FileHeader) || size % 8 != 0 || size > LARGEST_FILE) {
             problem = "truncated or not a model";
         } else if (fseek(file, 0, SEEK_SET) == 0) {
             *words = malloc((size_t)size);
@@ -103,6 +103,12 @@ static int whole(double value, int64_t low, int64_t high) {
 
 static int within(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
+}
+
+static int all_finite(const double *values, int count) {
+    for (int n = 0; n < count; n++)
+        if (!(fabs(values[n]) < 1e100)) return 0;
+    return 1;
 }
 
 /* The strain curve of a row of the edge table lies in its table, its cable in the cable table. */
@@ -257,49 +263,45 @@ static const char *check_parameters(const Cable *cable, const int64_t *I) {
 }
 
 static const char *check_file(Cable *cable, int64_t count, const char *guid) {
-    const int64_t *file = cable->file;
-    if (file[F_MAGIC] != FILE_MAGIC || file[F_FORMAT] != FILE_FORMAT || count < F_HEADER_WORDS)
+    const FileHeader *file = file_header(cable->file);
+    if (file->magic != FILE_MAGIC || file->format != FILE_FORMAT || count < (int64_t)(sizeof *file / 8))
         return "not a model of this version";
-    if (file[F_WORDS] != count) return "truncated or too long";
-    if ((uint32_t)file[F_CHECKSUM] != checksum(file + F_KERNELS, 8 * (size_t)(count - F_KERNELS)))
+    if (file->words != count) return "truncated or too long";
+    if ((uint32_t)file->checksum != checksum(&file->kernels, 8 * (size_t)count - offsetof(FileHeader, kernels)))
         return "corrupted (checksum)";
-    if (file[F_KERNELS] != KERNEL_HASH)
+    if (file->kernels != KERNEL_HASH)
         return "made for another version of this library";
-    const char *own = (const char *)(file + F_GUID);
-    if (guid == NULL || strlen(guid) > 39 || strncmp(own, guid, 40) != 0)
+    if (guid == NULL || strlen(guid) >= sizeof file->guid || strncmp(file->guid, guid, sizeof file->guid) != 0)
         return "the GUID is not that of this FMU";
-    cable->flags = file[F_FLAGS];
-    cable->stations = file[F_STATIONS];
-    cable->parameter_count = file[F_PARAMETERS];
-    cable->image_words = file[F_IMAGE_WORDS];
-    cable->block_words = file[F_BLOCK_WORDS];
-    const int64_t most = file[F_SYSTEM_WORDS] != 0 ? VR_SYSTEM_INPUT : VR_ZERO;
+    cable->flags = file->flags;
+    cable->stations = file->stations;
+    cable->parameter_count = file->parameter_count;
+    cable->image_words = file->image_words;
+    cable->block_words = file->block_words;
+    const int64_t most = file->system_words != 0 ? VR_SYSTEM_INPUT : VR_ZERO;
     if (!within(cable->stations, 2, 100000) || !within(cable->parameter_count, 0, most - VR_PARAMETER) ||
         !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
         return "a size is out of range";
     const int64_t row = (int64_t)(sizeof(Parameter) / 8);
-    if (!within(file[F_SYSTEM_WORDS], 0, count) ||
-        F_HEADER_WORDS + row * cable->parameter_count + file[F_SYSTEM_WORDS] +
+    if (!within(file->system_words, 0, count) ||
+        (int64_t)(sizeof *file / 8) + row * cable->parameter_count + file->system_words +
                 cable->image_words != count)
         return "the sizes do not agree";
-    for (int n = 0; n < VR_INPUTS + 3; n++)
-        if (!(fabs(((const double *)file)[F_INPUTS + n]) < 1e100))
-            return "a start value is not finite";
-    for (int n = 0; n < FACT_WORDS; n++)
-        if (!(fabs(((const double *)file)[F_FACTS + n]) < 1e100))
-            return "a number of the line as a whole is not finite";
+    if (!all_finite(file->inputs, VR_INPUTS) || !all_finite(file->frame, 3))
+        return "a start value is not finite";
+    if (!all_finite(file->facts, FACT_WORDS)) return "a number of the line as a whole is not finite";
     if (!within((cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT, BY_VELOCITY, BY_BOTH))
         return "a start value is out of range";
-    cable->parameters = (const Parameter *)(file + F_HEADER_WORDS);
+    cable->parameters = (const Parameter *)(file + 1);
     const int64_t *image = initial_image(cable);
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
     cable->value_words = cable->parameter_count;
     problem = check_parameters(cable, image);
     if (problem != NULL) return problem;
-    if (is_system(image) != (file[F_SYSTEM_WORDS] > 0)) return "the sizes do not agree";
+    if (is_system(image) != (file->system_words > 0)) return "the sizes do not agree";
     if (is_system(image))
-        return load_system(cable, image - file[F_SYSTEM_WORDS], file[F_SYSTEM_WORDS], image);
+        return load_system(cable, image - file->system_words, file->system_words, image);
     cable->bodies = is_direct(image) ? own_header(image)->body_count : header(image)->body_count;
     return NULL;
 }
@@ -324,9 +326,11 @@ static const char *load_block(Cable *cable, const char *resource_location, const
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->parameters[n].kind >= OF_LINE) cable->length_words += LENGTH_WORDS;
     cable->lengths = calloc((size_t)cable->length_words + 1, sizeof(double));
+    const int64_t *image = initial_image(cable);
+    cable->gaps = calloc(is_direct(image) ? 1 : (size_t)header(image)->line_count, sizeof(double));
     cable->arcs = calloc(samples, sizeof(double));
     cable->rows = calloc(samples * STATION_WORDS, sizeof(double));
-    if (cable->I == NULL || cable->values == NULL || cable->lengths == NULL || cable->arcs == NULL || cable->rows == NULL)
+    if (cable->I == NULL || cable->values == NULL || cable->lengths == NULL || cable->gaps == NULL || cable->arcs == NULL || cable->rows == NULL)
         return "out of memory";
     return NULL;
 }
@@ -356,7 +360,7 @@ const char *load_cable(Cable *cable, const char *resource_location, const char *
     if (problem != NULL) return problem;
     cable->now.magic = STATE_MAGIC;
     cable->now.kernels = KERNEL_HASH;
-    memcpy(cable->now.guid, cable->file + F_GUID, sizeof cable->now.guid);
+    memcpy(cable->now.guid, file_header(cable->file)->guid, sizeof cable->now.guid);
     restart_cable(cable);
     return NULL;
 }
@@ -368,6 +372,7 @@ void free_cable(Cable *cable) {
     free(cable->I);
     free(cable->values);
     free(cable->lengths);
+    free(cable->gaps);
     free(cable->arcs);
     free(cable->rows);
     free(cable->copy);

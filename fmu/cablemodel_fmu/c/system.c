@@ -84,7 +84,7 @@ const char *check_parts(const int64_t *I) {
 static const char *check_section(const System *s, int64_t segments) {
     const int64_t named = named_rows(s);
     for (int64_t n = 0; n < named; n++) {
-        const Row *row = s->rows + n;
+        const PartRow *row = s->rows + n;
         if (row->name[sizeof row->name - 1] != 0) return "a part's name is too long";
         if (!(row->minimum <= row->start && row->start <= row->maximum) ||
             !(fabs(row->minimum) < 1e100) || !(fabs(row->maximum) < 1e100))
@@ -114,7 +114,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     s->winches = header(I)->winch_count;
     s->cuts = header(I)->cut_count;
     s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->winches + s->cuts;
-    s->rows = (const Row *)(section + 1);
+    s->rows = (const PartRow *)(section + 1);
     const int64_t named = named_rows(s);
     if (!within(s->lines, 1, header(I)->cable_count) || words != 1 + ROW_WORDS * named + header(I)->cable_count)
         return "the sizes do not agree";
@@ -240,7 +240,7 @@ static double *start_number(const Cable *cable, unsigned vr) {
 
 VesselStart scene_start(const Cable *cable, int64_t vessel) {
     VesselStart found;
-    const Row *rows = cable->system->rows + first_start(cable->system) + START_WORDS * vessel;
+    const PartRow *rows = cable->system->rows + first_start(cable->system) + START_WORDS * vessel;
     for (int64_t n = 0; n < START_WORDS; n++) ((double *)&found)[n] = rows[n].start;
     return found;
 }
@@ -262,11 +262,11 @@ void name_vessel(const Cable *cable, int64_t vessel, char *name, size_t size) {
 /* The first angle of a start that was set to more than a turn, in words; NULL: there is none. */
 const char *more_than_a_turn(Cable *cable) {
     const double turn = 2.0 * PI;
-    const Row *rows = cable->system->rows + first_start(cable->system);
+    const PartRow *rows = cable->system->rows + first_start(cable->system);
     for (int64_t n = 0; n < cable->system->vessels; n++)
         for (int i = 0; i < 3; i++) {
             const double angle = vessel_starts(cable)[n].attitude[i];
-            const Row *row = rows + START_WORDS * n + (START_WORDS - 3) + i;
+            const PartRow *row = rows + START_WORDS * n + (START_WORDS - 3) + i;
             if (angle == row->start || !(fabs(angle) > turn)) continue;
             snprintf(cable->message, sizeof cable->message,
                      "%s is %g rad, more than a turn: was it meant in degrees?", row->name, angle);
@@ -311,7 +311,7 @@ const char *check_part_inputs(const Cable *cable, void *values) {
     const System *s = cable->system;
     for (int64_t n = 0; n < s->inputs; n++) {
         const PartInput *input = inputs_in(s, values, n);
-        const Row *row = s->rows + n;
+        const PartRow *row = s->rows + n;
         if (!(input->value >= row->minimum && input->value <= row->maximum) ||
             !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
             !(fabs(input->slope[1]) < 1e100) || !(fabs(input->slope[2]) < 1e100) ||
@@ -321,7 +321,7 @@ const char *check_part_inputs(const Cable *cable, void *values) {
     const Choice *choices = choices_in(s, values);
     const double *starts = (const double *)starts_in(s, values), *applied = applied_in(s, values);
     for (int64_t n = 0; n < START_WORDS * s->vessels; n++) {
-        const Row *row = s->rows + first_start(s) + n;
+        const PartRow *row = s->rows + first_start(s) + n;
         if (!(starts[n] >= row->minimum && starts[n] <= row->maximum)) return "a start is out of range";
     }
     for (int64_t n = 0; n < s->vessels; n++)
@@ -341,7 +341,7 @@ const char *name_in_system(const Cable *cable, unsigned vr) {
 
 const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
                              double *maximum) {
-    const Row *row = cable->system->rows;
+    const PartRow *row = cable->system->rows;
     if (start_number(cable, vr) != NULL) {
         row += first_start(cable->system) + (vr - VR_SYSTEM_START);
         if (cable->now.phase == STEPPING)

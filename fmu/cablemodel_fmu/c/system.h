@@ -12,14 +12,8 @@ enum { GIVEN_ALL = GIVEN_POSITION | GIVEN_VELOCITY | GIVEN_ATTITUDE | GIVEN_RATE
 enum { LINE_OUTPUTS = 9, STATION_OUTPUTS = 5, BODY_OUTPUTS = 12, VESSEL_OUTPUTS = 18, WINCH_OUTPUTS = 3, FLOOR_OUTPUTS = 8 };
 enum { LINE_ERRORS = 2, BODY_ERRORS = 1 }; /* the last ones, where errors are estimated */
 
-/* Of an input, or of a vessel's start: its start, and what is allowed. Of all: the name, ended by
-   zeros. */
-typedef struct {
-    double start, minimum, maximum;
-    char name[96];
-} Row;
 enum { TOLD_IGNORED = 1, TOLD_IDLE = 2, TOLD_SHORTEST = 4 };
-enum { ROW_WORDS = sizeof(Row) / 8 };
+enum { ROW_WORDS = sizeof(PartRow) / 8 };
 
 typedef struct {
     int64_t by, given; /* which inputs move a vessel, and whether the master has said so */
@@ -33,7 +27,7 @@ typedef struct {
 struct System {
     int64_t parameters; /* of the model: their values come first */
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
-    const Row *rows;
+    const PartRow *rows;
     const int64_t *segments;
     char *told; /* of each input: TOLD_IGNORED: it is set and does nothing; TOLD_IDLE: its drum is empty, ... */
     int current; /* the numbers below are those of the state */

@@ -298,7 +298,7 @@ void explain_in_system(const Cable *cable, const char *problem, const char *advi
     const int64_t *I = cable->I, *joint = I + header(I)->joint;
     const int64_t last = header(I)->nodes - 1, failed = I[header(I)->failed];
     const int64_t node = failed < last ? failed : last;
-    const Row *lines = s->rows + first_line(s), *bodies = lines + s->lines;
+    const PartRow *lines = s->rows + first_line(s), *bodies = lines + s->lines;
     for (int64_t n = 0; n < s->bodies; n++)
         if (cable->M[header(I)->free_bodies + n * FREE_WORDS + WORD(FreeBody, node)] == (double)node) {
             snprintf(message, size, "at t = %g s, %s: %s; %s", cable_time(cable), bodies[n].name,

@@ -13,7 +13,6 @@
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
-#define SAME_VELOCITY 1e-9         /* as steady_velocity of cablemodel/systems/lines.py */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {
     return cable->M + cable->I[array] + 6 * node;
@@ -72,7 +71,7 @@ static const char *unsteady(Cable *cable) {
         if (!is_used(cable, n)) continue;
         double off[3];
         for (int i = 0; i < 3; i++) off[i] = starts[n].velocity[i] - starts[first].velocity[i];
-        if (!(norm(off) > SAME_VELOCITY * (1.0 + norm(starts[n].velocity)))) continue;
+        if (!(norm(off) > AT_REST * (1.0 + norm(starts[n].velocity)))) continue;
         name_vessel(cable, n, other, sizeof other);
         snprintf(cable->message, sizeof cable->message,
                  "%s.start_velocity is not that of %s: there is no steady state", other, name);
@@ -136,7 +135,7 @@ static Way way_of(const Cable *cable) {
     Way way = {0};
     const int64_t first = first_used(cable);
     if (first < 0) { /* only coefficients are other ones */
-        memcpy(way.from, cable->file + F_FRAME, sizeof way.from);
+        memcpy(way.from, file_header(cable->file)->frame, sizeof way.from);
         memcpy(way.to, way.from, sizeof way.to);
         return way;
     }
@@ -205,162 +204,30 @@ static void place_vessels(Cable *cable, double share, const double velocity[3]) 
 
 /* -- what hangs on vessels follows them ------------------------------------------------------------- */
 
-static void turn_vector(double c, double s, double *vector) {
-    const double x = vector[0];
-    vector[0] = c * x - s * vector[1];
-    vector[1] = s * x + c * vector[1];
-}
-
 /* The whole system about the vertical through the first vessel. */
 static void turn_system(Cable *cable, double angle) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint;
-    const double c = cos(angle), s = sin(angle);
-    if (angle == 0.0) return;
     double axis[2];
+    if (angle == 0.0) return;
     for (int i = 0; i < 2; i++)
         axis[i] = frame_of(cable, first_used(cable))->motion.position[i] - scalars(cable->M)->origin[i];
-    for (int64_t node = 0; node < header(I)->nodes; node++) {
-        double *q = POSITION_OF(cable, node);
-        for (int i = 0; i < 2; i++) q[i] -= axis[i];
-        turn_vector(c, s, q);
-        for (int i = 0; i < 2; i++) q[i] += axis[i];
-        if (joint[node] != JOINT_FREE && joint[node] != JOINT_ROOT_FREE) turn_vector(c, s, q + 3);
-    }
-    for (int64_t n = 0; n < header(I)->free_count; n++) {
-        double *r = AS(FreeBody, cable->M + header(I)->free_bodies + n * FREE_WORDS)->rotation;
-        for (int j = 0; j < 3; j++) { /* by rows: its columns are the body's axes */
-            double column[2] = {r[j], r[3 + j]};
-            turn_vector(c, s, column);
-            r[j] = column[0];
-            r[3 + j] = column[1];
-        }
-    }
-}
-
-/* Of each node, the first one that shares its place, or is of the same body. */
-static void find_groups(const Cable *cable, int64_t *group) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
-    const int64_t nodes = header(I)->nodes;
-    for (int64_t node = 0; node < nodes; node++) {
-        const int apart = node == 0 || joint[node] == JOINT_NONE || joint[node] >= JOINT_ROOT;
-        group[node] = apart ? node : group[parent[node]];
-    }
-    for (int64_t n = 0; n < header(I)->closure_count; n++) {
-        const Closure *row = AS(Closure, cable->M + header(I)->closures + n * CLOSURE_WORDS);
-        if (row->node < 0.0 || row->clamp != 0.0) continue;
-        const double *body = cable->M + header(I)->free_bodies + (int64_t)row->body * FREE_WORDS;
-        const int64_t other = (int64_t)(row->body < 0.0 ? row->other : AS(FreeBody, body)->node);
-        const int64_t one = group[(int64_t)row->node], to = group[other];
-        for (int64_t node = 0; node < nodes; node++)
-            if (group[node] == one) group[node] = to;
-    }
-}
-
-/* Out of what ways of groups are unbalanced by, as if elements were springs that have grown (NULL: they
-   have not): what is held stays. */
-static void unbalanced(const Cable *cable, const int64_t *group, const double *held, const double *grown,
-                       const double *way, double *out) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
-    const int64_t nodes = header(I)->nodes;
-    memset(out, 0, sizeof(double) * (size_t)(3 * nodes));
-    for (int64_t node = 1; node < nodes; node++) {
-        if (joint[node] != JOINT_NONE) continue;
-        const double h = edge_of(I, node)->length;
-        const int64_t p = 3 * group[parent[node]], c = 3 * group[node];
-        for (int i = 0; i < 3; i++) {
-            const double more = grown == NULL ? 0.0 : grown[3 * node + i];
-            const double pull = (way[c + i] - way[p + i] - more) / h;
-            out[c + i] += pull;
-            out[p + i] -= pull;
-        }
-    }
-    for (int64_t n = 0; n < 3 * nodes; n++)
-        if (held[n / 3] != 0.0) out[n] = 0.0;
-}
-
-static double product(const double *a, const double *b, int64_t count) {
-    double sum = 0.0;
-    for (int64_t n = 0; n < count; n++) sum += a[n] * b[n];
-    return sum;
-}
-
-/* Ways of all groups from those of what is held, shared out along the lines: conjugate gradients. work:
-   3 times as many words. */
-static void share_out(const Cable *cable, const int64_t *group, const double *held, const double *grown, double *way,
-                      double *work) {
-    const int64_t nodes = header(cable->I)->nodes, count = 3 * nodes;
-    double *rest = work, *along = work + count, *image = work + 2 * count;
-    unbalanced(cable, group, held, grown, way, rest);
-    for (int64_t n = 0; n < count; n++) along[n] = rest[n] = -rest[n];
-    double size = product(rest, rest, count);
-    const double first = size;
-    for (int64_t round = 0; round < nodes && size > 1e-12 * first; round++) {
-        unbalanced(cable, group, held, NULL, along, image);
-        const double step = size / product(along, image, count);
-        for (int64_t n = 0; n < count; n++) {
-            way[n] += step * along[n];
-            rest[n] -= step * image[n];
-        }
-        const double next = product(rest, rest, count);
-        for (int64_t n = 0; n < count; n++) along[n] = rest[n] + next / size * along[n];
-        size = next;
-    }
+    cablemodel_rotate_system(cable->I, cable->block_words, axis[0], axis[1], angle);
 }
 
 /* Lines and bodies after the ends that are held, which have moved since `before` (6 words of each node),
    and after lines whose elements have `grown` (3 words). Returns 0 if there is no memory. */
-static int follow_ends(Cable *cable, const double *before, const double *grown) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
-    const int64_t nodes = header(I)->nodes;
-    int64_t *group = malloc(8 * (size_t)nodes);
-    double *held = calloc((size_t)(13 * nodes), sizeof(double));
-    if (group == NULL || held == NULL) {
-        free(group);
-        free(held);
-        return 0;
-    }
-    double *way = held + nodes;
-    find_groups(cable, group);
-    for (int64_t n = 0; n < header(I)->constraint_count; n++) {
-        const int64_t node = (int64_t)constraint_of(cable, n)->node;
-        held[group[node]] = 1.0;
-        for (int i = 0; i < 3; i++)
-            way[3 * group[node] + i] = POSITION_OF(cable, node)[i] - before[6 * node + i];
-    }
-    share_out(cable, group, held, grown, way, way + 3 * nodes);
-    for (int64_t node = 0; node < nodes; node++)
-        for (int i = 0; i < 3; i++) POSITION_OF(cable, node)[i] = before[6 * node + i] + way[3 * group[node] + i];
-    for (int64_t node = 1; node < nodes; node++) { /* slopes: half of what each side turns by */
-        if (joint[node] != JOINT_NONE) continue;
-        const int64_t ends[] = {parent[node], node};
-        const double h = edge_of(I, node)->length;
-        for (int end = 0; end < 2; end++) {
-            const int body = joint[ends[end]] == JOINT_FREE || joint[ends[end]] == JOINT_ROOT_FREE;
-            for (int i = 0; i < 3 && !body; i++)
-                POSITION_OF(cable, ends[end])[3 + i] +=
-                    0.5 * (way[3 * group[node] + i] - way[3 * group[ends[0]] + i] - grown[3 * node + i]) / h;
-        }
-    }
-    free(group);
-    free(held);
+static int follow_supports(Cable *cable, double *before, double *grown) {
+    const int64_t nodes = header(cable->I)->nodes;
+    double none[1];
+    const int64_t words =
+        cablemodel_follow_supports(cable->I, cable->block_words, before, 6 * nodes, grown, 3 * nodes, none, 1);
+    double *work = malloc(sizeof(double) * (size_t)words);
+    if (work == NULL) return 0;
+    cablemodel_follow_supports(cable->I, cable->block_words, before, 6 * nodes, grown, 3 * nodes, work, words);
+    free(work);
     return 1;
 }
 
 /* -- equilibrium ------------------------------------------------------------------------------------ */
-
-/* Make the present places of feet those of rest: none of them is held where the scene puts it. */
-static void rest_feet(Cable *cable) {
-    const int64_t *I = cable->I;
-    for (int64_t n = 0; n < header(I)->foot_count; n++) {
-        Foot *foot = AS(Foot, cable->M + header(I)->feet + n * FOOT_WORDS);
-        const BodyMotion *motion =
-            &AS(FreeBody, cable->M + header(I)->free_bodies + (int64_t)foot->body * FREE_WORDS)->motion;
-        for (int i = 0; i < 3; i++) {
-            foot->rest[i] = motion->reference.position[i];
-            for (int j = 0; j < 3; j++) foot->rest[i] += motion->turn[3 * i + j] * foot->place[j];
-        }
-    }
-}
 
 /* Friction of the floor on lines and feet: 0, or that of the exported state. */
 static void set_friction(Cable *cable, int holds) {
@@ -381,11 +248,13 @@ static int64_t come_to_rest(Cable *cable, double velocity[3]) {
         status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
         if (status != OK || attempt || !cablemodel_stabilise(cable->I, cable->block_words)) break;
     }
+    if (status == OK) {
+        cablemodel_hold_supports(cable->I, cable->block_words);
+        cablemodel_rest_here(cable->I, cable->block_words);
+        cablemodel_rest_feet(cable->I, cable->block_words);
+    }
     set_friction(cable, 1);
     if (status != OK) return status;
-    cablemodel_hold_supports(cable->I, cable->block_words);
-    cablemodel_rest_here(cable->I, cable->block_words);
-    rest_feet(cable);
     cablemodel_count_from_zero(cable->I, cable->block_words);
     if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
     return OK;
@@ -515,7 +384,7 @@ static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     cablemodel_place_supports(cable->I, cable->block_words);
     cablemodel_resize_lines(cable->I, cable->block_words, lengths_between(cable, from, to), cable->length_words, before,
                             6 * nodes, grown, 3 * nodes);
-    const int followed = follow_ends(cable, before, grown);
+    const int followed = follow_supports(cable, before, grown);
     cablemodel_place_supports(cable->I, cable->block_words); /* clamps do not turn with the line */
     free(before);
     cablemodel_restore_bending(cable->I, cable->block_words);
@@ -528,47 +397,22 @@ static void run_winches(Cable *cable, int runs) {
         winch_of(cable->I, n)->rate = runs ? winch_of(initial_image(cable), n)->rate : 0.0;
 }
 
-/* Number of the line of a row of the cable table. */
-static double line_row(const Cable *cable, double segment) {
-    return cable_of(cable->I, (int64_t)segment)->row;
-}
-
-/* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing. */
+/* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing of cablemodel/systems/build.py. */
 static const char *start_flowing(Cable *cable) {
-    const int64_t *I = cable->I, *joint = I + header(I)->joint, *parent = I + header(I)->parent;
+    const int64_t *I = cable->I;
     for (int64_t n = 0; n < header(I)->winch_count; n++) {
-        const Winch *row = winch_of(I, n);
-        const int64_t top = (int64_t)row->node;
-        const double line = line_row(cable, row->cable);
-        if (row->rate == 0.0) continue;
+        if (winch_of(I, n)->rate == 0.0) continue;
         if (header(I)->floor_state == FLOOR_TOUCHED)
             return "a winch runs at the start, and what touches the sea floor does not move along";
-        /* Nothing else holds it: its tree begins at the winch, and ends where another one begins. */
-        for (int64_t node = top + 1; node < header(I)->nodes && joint[node] < JOINT_ROOT; node++) {
-            double *v = node_of(cable, WORD(Header, velocity), node);
-            const double *q = POSITION_OF(cable, node);
-            const int runs = joint[node] == JOINT_NONE && line_row(cable, edge_of(I, node)->segment) == line;
-            const double *from = node_of(cable, WORD(Header, velocity), runs ? top : parent[node]);
-            for (int i = 0; i < 3; i++) v[i] = from[i] + (runs ? row->rate * q[3 + i] : 0.0);
-        }
+        cablemodel_start_paying_out(cable->I, cable->block_words, n);
     }
     return NULL;
-}
-
-/* The lowest tension, where it presses a line more than it may be wrong by; else 0. */
-static double pressed_by(const Cable *cable) {
-    const Scalars *state = scalars(cable->M);
-    const double allowed = 10.0 * state->tolerance * fmax(state->largest_tension, state->tension_scale);
-    double lowest = 0.0;
-    for (int64_t node = 0; node < header(cable->I)->nodes; node++)
-        lowest = fmin(lowest, cable->M[header(cable->I)->tension + 2 * node]);
-    return lowest < -allowed ? lowest : 0.0;
 }
 
 /* What is to be told of such a start: as `judge` of lengths.c. */
 static void judge(Cable *cable, const Shape *before) {
     judge_shape(cable, before);
-    cable->pressed = pressed_by(cable);
+    cable->pressed = shape_of(cable).pressed;
 }
 
 /* What is asked for that is not as the scene has it, by name. */
@@ -598,13 +442,13 @@ static const char *search(Cable *cable) {
     run_winches(cable, 0);
     if (lengths_changed(cable)) {
         LineFacts facts;
-        memcpy(&facts, cable->file + F_FACTS, sizeof facts);
+        memcpy(&facts, file_header(cable->file)->facts, sizeof facts);
         cablemodel_measure(cable->I, cable->block_words, lengths_between(cable, 0.0, 1.0), cable->length_words,
                            (double *)&facts, FACT_WORDS);
     }
     cablemodel_forget_stabilisation(cable->I, cable->block_words);
     /* A line that got too long at once may be found pressed, where it would have bent. */
-    const int longer = lengths_changed(cable) && pressed_by(cable) == 0.0;
+    const int longer = lengths_changed(cable) && shape_of(cable).pressed == 0.0;
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
         const double next = fmin(1.0, done + part);
@@ -612,7 +456,7 @@ static const char *search(Cable *cable) {
         if (part < 1.0) header(cable->I)->maximum_steps = FEW_STEPS; /* what is near is soon found */
         status = go_on(cable, &way, done, next);
         header(cable->I)->maximum_steps = header(initial_image(cable))->maximum_steps;
-        if (status == OK && longer && pressed_by(cable) != 0.0) status = STATICS_FAILED;
+        if (status == OK && longer && shape_of(cable).pressed != 0.0) status = STATICS_FAILED;
         if (status == OK) {
             done = next;
             continue;
@@ -637,14 +481,17 @@ static const char *search(Cable *cable) {
 
 /* Vessels to their starts, and the origin of the block's coordinates, in which nothing moves, with
    them: not even by rounding. */
-static void move_origin(Cable *cable, const double way[3]) {
-    double *kept = cable->M + header(cable->I)->trial_position; /* workspace */
+static const char *move_origin(Cable *cable, const double way[3]) {
     const size_t bytes = sizeof(double) * (size_t)(6 * header(cable->I)->nodes);
+    double *kept = malloc(bytes);
+    if (kept == NULL) return "out of memory";
     memcpy(kept, POSITION_OF(cable, 0), bytes);
     place_vessels(cable, 1.0, NULL);
     for (int i = 0; i < 3; i++) scalars(cable->M)->origin[i] += way[i];
     cablemodel_hold_supports(cable->I, cable->block_words);
     memcpy(POSITION_OF(cable, 0), kept, bytes);
+    free(kept);
+    return NULL;
 }
 
 /* Why a system cannot have the lengths that are set, with vessels where they are to begin; NULL: it may. */
@@ -697,10 +544,7 @@ const char *settle_system(Cable *cable) {
     }
     const char *problem = unsteady(cable);
     if (problem != NULL) return problem;
-    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) {
-        move_origin(cable, way);
-        return NULL;
-    }
+    if (tuned == NULL && (!moved || moves_as_a_whole(cable, way))) return move_origin(cable, way);
     problem = refuse_lengths(cable);
     if (problem == NULL) problem = search(cable);
     if (problem != NULL) take_exported(cable);

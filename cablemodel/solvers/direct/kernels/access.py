@@ -2,7 +2,15 @@
 
 from cablemodel.solvers.shared.compile import record_at, record_in, row_of
 
-from .layout import DrumRow, Material, OwnHeader, OwnScalars, RigidBody, Section
+from .layout import (
+    DrumRow,
+    Material,
+    OwnHeader,
+    OwnScalars,
+    PartialSolutions,
+    RigidBody,
+    Section,
+)
 
 own_header = record_in(OwnHeader)
 """own_header(I): sizes, switches, counters, and the words where arrays start."""
@@ -13,4 +21,5 @@ own_scalars = record_in(OwnScalars)
 section_of, section_at = row_of(Section, OwnHeader.sections), record_at(Section)
 material_row, material_at = row_of(Material, OwnHeader.materials), record_at(Material)
 rigid_body_of, rigid_body_at = row_of(RigidBody, OwnHeader.bodies), record_at(RigidBody)
+partial_solutions_at = record_at(PartialSolutions)
 drum_row_of, drum_row_at = row_of(DrumRow, OwnHeader.drum), record_at(DrumRow)

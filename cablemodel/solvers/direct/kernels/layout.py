@@ -194,10 +194,22 @@ DRUM_WORDS = DrumRow.WORDS
 END_FREE, END_ANCHOR, END_CONTACT, END_TOUCHDOWN = 0, 1, 2, 3
 
 BLOCK = WIDTH * WIDTH
-SWEEP_WORDS = 220
-"""A node's partial solutions: particular (20), complementary (50), T (25), S (10), a and B; or
-the rows that elimination keeps of a slot."""
-W_PARTICULAR, W_COMPLEMENTARY, W_MIX, W_SHIFT, W_KNOWN, W_CROSS = 0, 20, 70, 95, 105, 115
+
+
+class PartialSolutions(Record):
+    """Of a node, y0 + Y z (superposition.py), for two right-hand sides; elimination keeps the rows
+    of a slot in the same words."""
+
+    particular = reals(2 * WIDTH, "y0 of each side")
+    complementary = reals(WIDTH * WIDTH // 2, "Y by rows, of one for each coefficient")
+    mix = reals((WIDTH // 2) ** 2, "T by rows: Y before it was made orthonormal is Y T")
+    shift = reals(WIDTH, "S of each side: y0 before that is y0 + Y S")
+    known = reals(WIDTH, "a of each side: coefficients before a joint are a + B z")
+    cross = reals((WIDTH // 2) ** 2, "B by rows")
+    _spare = spare(80)
+
+
+SWEEP_WORDS = PartialSolutions.WORDS
 WORK_WORDS = 800
 SHAPE_WORDS = 4
 """Of a slot: rows, unknowns on its left, on its right, and 1 for an interval (int64)."""

@@ -1,4 +1,4 @@
-"""Steps in time: sub-steps of at most the scene's time step, landing on kinks and on the end.
+"""Steps in time: sub-steps of at most the scene's time step, landing on breakpoints and on the end.
 
 What a call of `step` means, inputs in, all or nothing, is as for the finite elements; the inputs
 are read by the same kernels.
@@ -124,7 +124,7 @@ def one_step(I, M, dt):
 
 @kernel
 def next_breakpoint(I, M, t_end):
-    """The first time after `time` where an input has a kink, at most t_end; and whether the
+    """The first time after `time` where an input has a breakpoint, at most t_end; and whether the
     acceleration of vessel or water jumps there."""
     head = header(I)
     state = scalars(M)
@@ -158,7 +158,7 @@ def next_breakpoint(I, M, t_end):
 
 @kernel
 def advance(I, M, t_end):
-    """Step to t_end in equal sub-steps between kinks; halved where one does not converge."""
+    """Step to t_end in equal sub-steps between breakpoints; halved where one does not converge."""
     own = own_header(I)
     run = own_scalars(M)
     head = header(I)

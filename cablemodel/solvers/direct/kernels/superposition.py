@@ -12,21 +12,16 @@ line of one kind from the vessel to its far end, whose conditions then give z.
 
 import math
 
+from cablemodel.solvers.shared.compile import view
 from cablemodel.solvers.shared.layout import OK, SINGULAR
 
-from .access import own_header
+from .access import own_header, partial_solutions_at
 from .compile import kernel
 from .layout import (
     BLOCK,
     RHS_WORDS,
     SHAPE_WORDS,
     SWEEP_WORDS,
-    W_COMPLEMENTARY,
-    W_CROSS,
-    W_KNOWN,
-    W_MIX,
-    W_PARTICULAR,
-    W_SHIFT,
     WIDTH,
 )
 
@@ -38,41 +33,42 @@ is solved: the midpoint rule has a pole where h sqrt(T/EI) = 2, and at a flexibl
 
 
 @kernel
-def orthonormalise(M, at, n, p, sides):
-    """Make Y orthonormal (modified Gram-Schmidt) and y0 orthogonal to it; keep T and S.
+def orthonormalise(at, n, p, sides):
+    """Make Y orthonormal (modified Gram-Schmidt) and y0 orthogonal to it; keep T and S: at, a
+    PartialSolutions of n unknowns and p coefficients.
 
     Y_old = Y T and y0_old = y0 + Y S, so that z = T z_old + S. Returns 1 if Y has lost its rank.
     """
-    Y = at + W_COMPLEMENTARY
-    T = at + W_MIX
+    Y = at.complementary
+    T = at.mix
     for k in range(p):
         for j in range(k):
-            M[T + HALF * k + j] = 0.0
+            T[HALF * k + j] = 0.0
         norm = 0.0
         for i in range(n):
-            norm += M[Y + HALF * i + k] ** 2
+            norm += Y[HALF * i + k] ** 2
         norm = math.sqrt(norm)
         if not norm > 1e-280:
             return 1
-        M[T + HALF * k + k] = norm
+        T[HALF * k + k] = norm
         for i in range(n):
-            M[Y + HALF * i + k] /= norm
+            Y[HALF * i + k] /= norm
         for j in range(k + 1, p):
             dot = 0.0
             for i in range(n):
-                dot += M[Y + HALF * i + k] * M[Y + HALF * i + j]
-            M[T + HALF * k + j] = dot
+                dot += Y[HALF * i + k] * Y[HALF * i + j]
+            T[HALF * k + j] = dot
             for i in range(n):
-                M[Y + HALF * i + j] -= dot * M[Y + HALF * i + k]
+                Y[HALF * i + j] -= dot * Y[HALF * i + k]
     for side in range(sides):
-        y0 = at + W_PARTICULAR + WIDTH * side
+        y0 = view(at.particular, WIDTH * side, WIDTH)
         for k in range(p):
             dot = 0.0
             for i in range(n):
-                dot += M[Y + HALF * i + k] * M[y0 + i]
-            M[at + W_SHIFT + HALF * side + k] = dot
+                dot += Y[HALF * i + k] * y0[i]
+            at.shift[HALF * side + k] = dot
             for i in range(n):
-                M[y0 + i] -= dot * M[Y + HALF * i + k]
+                y0[i] -= dot * Y[HALF * i + k]
     return 0
 
 
@@ -86,12 +82,12 @@ def source_terms(I, M, slot, matrix, near, n, p, sides, rows, work):
         for k in range(p):
             value = 0.0
             for j in range(n):
-                value += M[a + j] * M[near + W_COMPLEMENTARY + HALF * j + k]
+                value += M[a + j] * near.complementary[HALF * j + k]
             M[row + k] = value
         for side in range(sides):
             value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
             for j in range(n):
-                value -= M[a + j] * M[near + W_PARTICULAR + WIDTH * side + j]
+                value -= M[a + j] * near.particular[WIDTH * side + j]
             M[row + 2 * WIDTH + side] = value
 
 
@@ -135,13 +131,13 @@ def transfer(M, slot, matrix, far, n, p, sides, work):
         for k in range(p):
             value = -M[work + COLUMNS * i + k]
             for j in range(i + 1, n):
-                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_COMPLEMENTARY + HALF * j + k]
-            M[far + W_COMPLEMENTARY + HALF * i + k] = value * inverse
+                value -= M[work + COLUMNS * i + HALF + j] * far.complementary[HALF * j + k]
+            far.complementary[HALF * i + k] = value * inverse
         for side in range(sides):
             value = M[work + COLUMNS * i + 2 * WIDTH + side]
             for j in range(i + 1, n):
-                value -= M[work + COLUMNS * i + HALF + j] * M[far + W_PARTICULAR + WIDTH * side + j]
-            M[far + W_PARTICULAR + WIDTH * side + i] = value * inverse
+                value -= M[work + COLUMNS * i + HALF + j] * far.particular[WIDTH * side + j]
+            far.particular[WIDTH * side + i] = value * inverse
     return OK
 
 
@@ -198,9 +194,9 @@ def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
             if order[j] >= 0:
                 value = M[work + COLUMNS * order[j] + 2 * WIDTH + side]
             if j < p:
-                M[far + W_KNOWN + HALF * side + j] = value
+                far.known[HALF * side + j] = value
             else:
-                M[far + W_PARTICULAR + WIDTH * side + j - p] = value
+                far.particular[WIDTH * side + j - p] = value
         k = 0
         for free in range(columns):
             if order[free] >= 0:
@@ -209,9 +205,9 @@ def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
             if order[j] >= 0:
                 value = -M[work + COLUMNS * order[j] + free]
             if j < p:
-                M[far + W_CROSS + HALF * j + k] = value
+                far.cross[HALF * j + k] = value
             else:
-                M[far + W_COMPLEMENTARY + HALF * (j - p) + k] = value
+                far.complementary[HALF * (j - p) + k] = value
             k += 1
     return OK
 
@@ -222,7 +218,7 @@ def sweep(I, M, first, last, step, store):
     own = own_header(I)
     sides = own.right_sides
     work = own.work
-    near = store
+    near = partial_solutions_at(M, store)
     n_near = 0
     slot = first
     while slot != last:
@@ -231,7 +227,7 @@ def sweep(I, M, first, last, step, store):
         n = I[shape + 2] if step > 0 else I[shape + 1]
         towards = own.right if step > 0 else own.left
         behind = own.left if step > 0 else own.right
-        far = store + SWEEP_WORDS * node
+        far = partial_solutions_at(M, store + SWEEP_WORDS * node)
         rows = I[shape]
         p = n_near // 2
         source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
@@ -245,7 +241,7 @@ def sweep(I, M, first, last, step, store):
             status = cross(I, M, slot, towards, far, n, p, sides, rows, work)
         if status != OK:
             return status
-        if orthonormalise(M, far, n, n // 2, sides) != 0:
+        if orthonormalise(far, n, n // 2, sides) != 0:
             return SINGULAR
         near = far
         n_near = n
@@ -264,8 +260,8 @@ def recombine(I, M, slot, slots, store):
     work = own.work + 4 * WIDTH
     shape = own.shape + SHAPE_WORDS * slot
     rows = I[shape]
-    left = store + SWEEP_WORDS * (slot - 1)
-    right = store + SWEEP_WORDS * slot
+    left = partial_solutions_at(M, store + SWEEP_WORDS * (slot - 1))
+    right = partial_solutions_at(M, store + SWEEP_WORDS * slot)
     n_left = I[shape + 1]
     n_right = I[shape + 2]
     p_left = n_left // 2
@@ -277,19 +273,19 @@ def recombine(I, M, slot, slots, store):
         for k in range(p_left):
             value = 0.0
             for j in range(n_left):
-                value += M[a + j] * M[left + W_COMPLEMENTARY + HALF * j + k]
+                value += M[a + j] * left.complementary[HALF * j + k]
             M[row + k] = value
         for k in range(p_right):
             value = 0.0
             for j in range(n_right):
-                value += M[b + j] * M[right + W_COMPLEMENTARY + HALF * j + k]
+                value += M[b + j] * right.complementary[HALF * j + k]
             M[row + p_left + k] = value
         for side in range(sides):
             value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
             for j in range(n_left):
-                value -= M[a + j] * M[left + W_PARTICULAR + WIDTH * side + j]
+                value -= M[a + j] * left.particular[WIDTH * side + j]
             for j in range(n_right):
-                value -= M[b + j] * M[right + W_PARTICULAR + WIDTH * side + j]
+                value -= M[b + j] * right.particular[WIDTH * side + j]
             M[row + 2 * WIDTH + side] = value
     for k in range(rows):
         pivot = k
@@ -330,7 +326,7 @@ def return_sweep(I, M, node, last, step, z, store):
     own = own_header(I)
     sides = own.right_sides
     while True:
-        at = store + SWEEP_WORDS * node
+        at = partial_solutions_at(M, store + SWEEP_WORDS * node)
         slot = node if step < 0 else node + 1  # the slot that the sweep came through
         shape = own.shape + SHAPE_WORDS * slot
         n = I[shape + 2] if step < 0 else I[shape + 1]
@@ -340,21 +336,21 @@ def return_sweep(I, M, node, last, step, z, store):
             c = z + WIDTH * side
             out = own.delta + 2 * WIDTH * node + WIDTH * side
             for i in range(n):
-                value = M[at + W_PARTICULAR + WIDTH * side + i]
+                value = at.particular[WIDTH * side + i]
                 for k in range(p):
-                    value += M[at + W_COMPLEMENTARY + HALF * i + k] * M[c + k]
+                    value += at.complementary[HALF * i + k] * M[c + k]
                 M[out + i] = value
             for k in range(p - 1, -1, -1):
-                value = M[c + k] - M[at + W_SHIFT + HALF * side + k]
+                value = M[c + k] - at.shift[HALF * side + k]
                 for j in range(k + 1, p):
-                    value -= M[at + W_MIX + HALF * k + j] * M[c + j]
-                M[c + k] = value / M[at + W_MIX + HALF * k + k]
+                    value -= at.mix[HALF * k + j] * M[c + j]
+                M[c + k] = value / at.mix[HALF * k + k]
             if I[shape + 3] == 0 and before > 0:
                 old = z + 2 * WIDTH
                 for k in range(before // 2):
-                    value = M[at + W_KNOWN + HALF * side + k]
+                    value = at.known[HALF * side + k]
                     for j in range(p):
-                        value += M[at + W_CROSS + HALF * k + j] * M[c + j]
+                        value += at.cross[HALF * k + j] * M[c + j]
                     M[old + k] = value
                 for k in range(before // 2):
                     M[c + k] = M[old + k]

@@ -3,7 +3,7 @@
 A free end that reaches the floor is carried by it (contact: reaction normal to the floor, no
 moment) until its tangent lies in the floor; from then on cable is laid and the end of the mesh is
 the touchdown point, which moves along the cable (eq. 34). What has been laid rests; it pulls with
-its friction at most. An end in contact slides without friction: its landing is a blow, whose
+its friction at most. An end in contact slides without friction: its landing is an impact, whose
 friction would be another one along a stiff cable.
 """
 

@@ -8,11 +8,12 @@ from numba import float64, int64
 
 from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
 from cablemodel.solvers.finite_element.kernels.element import stabilisation
-from cablemodel.solvers.finite_element.kernels.floor import floor_memory
+from cablemodel.solvers.finite_element.kernels.floor import feet, floor_memory
 from cablemodel.solvers.finite_element.kernels.line import inertia, swinging, system
 from cablemodel.solvers.finite_element.kernels.mesh import (
     bending_mesh,
     firm_friction,
+    mesh_motion,
     resizing,
     touchdown_mesh,
 )
@@ -127,7 +128,8 @@ def measure_bends(I, M, out):
 
 @entry_point(int64(INTEGERS, REALS, REALS))
 def worst_of_shape(I, M, out):
-    """The most that elements of a static shape bend and stretch: begin.worst_of_shape, 2 words."""
+    """The most that elements of a static shape bend and stretch, and by what lines are pressed:
+    begin.worst_of_shape, 3 words."""
     begin.worst_of_shape(I, M, out)
     return 0
 
@@ -158,6 +160,13 @@ def rest_here(I, M):
     """Make the present shape the place of rest: begin.rest_here."""
     begin.rest_here(I, M)
     return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def rest_feet(I, M):
+    """Places of rest of bodies' feet: feet.rest_feet. Returns how many there are."""
+    feet.rest_feet(I, M)
+    return header(I).foot_count
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -248,6 +257,30 @@ def resize_lines(I, M, lengths, places, grown):
     """Give the lines of a system other lengths: resizing.resize_lines."""
     resizing.resize_lines(I, M, lengths, places, grown)
     return 0
+
+
+@entry_point(int64(INTEGERS, REALS, float64, float64, float64))
+def rotate_system(I, M, x, y, angle):
+    """Turn a system about a vertical: mesh_motion.rotate_system."""
+    mesh_motion.rotate_system(I, M, x, y, angle)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, REALS, REALS, REALS))
+def follow_supports(I, M, before, grown, work):
+    """Nodes of a system after supports that were moved: mesh_motion.follow_supports. Without room
+    for that, returns how many words of work it needs."""
+    words = mesh_motion.FOLLOW_WORDS * header(I).nodes
+    if len(work) < words:
+        return words
+    mesh_motion.follow_supports(I, M, before, grown, work)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, int64))
+def start_paying_out(I, M, number):
+    """Velocities of what hangs on a winch that runs at first: begin.start_paying_out."""
+    return begin.start_paying_out(I, M, number)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
@@ -407,6 +440,7 @@ ENTRY_POINTS = {
     "place_supports": place_supports,
     "hold_supports": hold_supports,
     "rest_here": rest_here,
+    "rest_feet": rest_feet,
     "count_from_zero": count_from_zero,
     "restore_bending": restore_bending,
     "stop_flow": stop_flow,
@@ -419,6 +453,9 @@ ENTRY_POINTS = {
     "move_start": move_start,
     "resize_line": resize_line,
     "resize_lines": resize_lines,
+    "rotate_system": rotate_system,
+    "follow_supports": follow_supports,
+    "start_paying_out": start_paying_out,
     "sample": sample,
     "bodies": bodies,
     "summary": summary,

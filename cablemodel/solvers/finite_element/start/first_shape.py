@@ -91,17 +91,20 @@ def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn |
     """
     if scene.end.kind != "free":
         return None
-    pull = 0.0  # of what is beyond, down
+    force = 0.0  # of what is beyond, down
     pieces = laid_loads.pieces(scene)
     sections: list[tuple[float, bool]] = []  # where each begins, whether it goes down
     for piece in reversed(pieces):
         length = piece.end - piece.start
-        before = pull + piece.weight * (length or 1.0)
-        if length > 0.0 and pull * before < 0.0:
-            sections += [(piece.end + pull / piece.weight, pull > 0.0), (piece.start, before > 0.0)]
+        before = force + piece.weight * (length or 1.0)
+        if length > 0.0 and force * before < 0.0:
+            sections += [
+                (piece.end + force / piece.weight, force > 0.0),
+                (piece.start, before > 0.0),
+            ]
         elif length > 0.0:
-            sections.append((piece.start, pull + before > 0.0))
-        pull = before
+            sections.append((piece.start, force + before > 0.0))
+        force = before
     sections.reverse()
     turns = [place for (_, down), (place, other) in itertools.pairwise(sections) if down != other]
     line = [piece.end - piece.start for piece in pieces]
@@ -380,10 +383,10 @@ def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float
             q[node, dimension:] = (
                 stretch * row[at.Constraint.direction : at.Constraint.direction.word + dimension]
             )
-    if guess.pull is not None:
-        arcs, pull = guess.pull.T
+    if guess.tension is not None:
+        arcs, tensions = guess.tension.T
         starts = np.array([s + p for s, p in zip(line.start, line.passed, strict=True)])
-        ends = np.interp([starts, starts + line.length], arcs, pull)
+        ends = np.interp([starts, starts + line.length], arcs, tensions)
         tension = block.array(Header.tension, line.nodes, 2)
         tension[:, 0] = 0.5 * (ends[0] + ends[1])
         tension[:, 1] = 0.5 * (ends[1] - ends[0])

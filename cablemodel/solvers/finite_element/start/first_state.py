@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from cablemodel.errors import StaticsError
 from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers.finite_element.block import Block
-from cablemodel.solvers.finite_element.start import azimuth as heading
-from cablemodel.solvers.finite_element.start import continuation as continuation
 from cablemodel.solvers.finite_element.start import (
+    azimuth,
+    continuation,
     laid_loads,
     laid_shape,
     laid_start,
@@ -186,8 +186,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
             state.friction = 0.0
         status = solve()
         state.friction = friction
-        if status == at.OK and heading.is_free(scene):
-            heading.turn_back(block, scene)  # as a whole: it stays at rest
+        if status == at.OK and azimuth.is_free(scene):
+            azimuth.turn_back(block, scene)  # as a whole: it stays at rest
         if not held:
             sea_floor.rest_where_it_is(block)
     if status != at.OK:

@@ -44,14 +44,14 @@ class Hanging:
     """What hangs at first, and how it goes on.
 
     points: (n, 3) from the tow point down to where the line lands, or to its end [m]; arcs: how
-    much line, unstretched, is above each, (n,) [m]; pull: tension there, (n,) [N]; arc: its
+    much line, unstretched, is above each, (n,) [m]; tension: there, (n,) [N]; arc: its
     length, bodies included [m]; line_length: of all of the line, bodies included [m]; way: unit
     vector along which the rest lies, (2,).
     """
 
     points: FloatArray
     arcs: FloatArray
-    pull: FloatArray
+    tension: FloatArray
     arc: float
     line_length: float
     way: FloatArray
@@ -87,10 +87,12 @@ def hang(scene: Scene, start: FloatArray, passed: float, *, drawn: bool = False)
         water = _Water(scene, start, bottom)
 
         def shape_of(arc: float) -> Shape:
-            points, arcs, pull = _integrate(line, water, passed, arc, tension * (total - arc), way)
+            points, arcs, tensions = _integrate(
+                line, water, passed, arc, tension * (total - arc), way
+            )
             if plane is not None:
                 points[:, :2] = np.outer(points[:, :2] @ plane, plane)
-            return points + start, arcs, pull
+            return points + start, arcs, tensions
 
         shape = shape_of(total)
         gap = above(shape)
@@ -220,12 +222,12 @@ def _integrate(
     knots += [k for p in line for k in (p.start, p.end) if first < k < last]
     arcs = sorted({*np.linspace(first, last, HANGING_STEPS + 1).tolist(), *knots})
     points = [p for p in line if p.start == p.end and first <= p.start < last]
-    # The pull of the cable above on what is below it, to begin with by its own loads.
-    pull = -tension * float(way[0]), -tension * float(way[1]), 0.0
-    before, step = pull, 0.0
+    # The force of the cable above on what is below it, to begin with by its own loads.
+    force = -tension * float(way[0]), -tension * float(way[1]), 0.0
+    before, step = force, 0.0
     ahead = below = 0.0, 0.0, 1.0
     places = [(0.0, 0.0, 0.0)]
-    sizes = [math.hypot(*pull)]
+    sizes = [math.hypot(*force)]
     x = y = z = 0.0
     for upper, lower in itertools.pairwise(reversed(arcs)):
         # Reversed: `upper` is the larger arc length, further from the vessel.
@@ -234,57 +236,57 @@ def _integrate(
         piece = next((p for p in line if p.start <= middle < p.end), line[0])
         for body in points:
             if lower < body.start <= upper:
-                pull = _loaded(pull, body, 1.0, water.at(z), ahead, water.rate)
+                force = _loaded(force, body, 1.0, water.at(z), ahead, water.rate)
                 step = 0.0
         if upper in knots:
             step = 0.0
         ratio = h / step if step > 0.0 else 0.0
         weight = (1.0 + ratio) ** 2 / (1.0 + 2.0 * ratio)
-        known = _between(before, pull, weight)
+        known = _between(before, force, weight)
         share = h * (1.0 + ratio) / (1.0 + 2.0 * ratio)
         flow = water.at(z + h * ahead[2])
         ahead = _balanced(known, piece, share, flow, ahead, water.rate)
-        before, step = pull, h
-        pull = _loaded(known, piece, share, flow, ahead, water.rate)
+        before, step = force, h
+        force = _loaded(known, piece, share, flow, ahead, water.rate)
         if ratio == 0.0:
             below = ahead
         if water.rate > 0.0:
-            h *= piece.stretch(math.hypot(*pull))
+            h *= piece.stretch(math.hypot(*force))
         x += 0.5 * h * (below[0] + ahead[0])
         y += 0.5 * h * (below[1] + ahead[1])
         z += 0.5 * h * (below[2] + ahead[2])
         below = ahead
         places.append((x, y, z))
-        sizes.append(math.hypot(*pull))
+        sizes.append(math.hypot(*force))
     shape = np.array(places)
     return np.asarray(shape[::-1] - shape[-1]), np.array(arcs), np.array(sizes[::-1])
 
 
 def _balanced(
-    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
+    force: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
 ) -> Triple:
-    """The direction of a length of cable along which the pull above it points: a backward step.
+    """The direction of a length of cable along which the force above it points: a backward step.
 
     Where drag turns the cable sharply against what it is taut (at a small lay angle, near its lower
     end) any forward step is too long. Newton's method on the two angles, from `ahead`.
     """
     for _ in range(TURNS):
         first, second = _across(ahead)
-        total = _loaded(pull, piece, length, flow, ahead, rate)
+        total = _loaded(force, piece, length, flow, ahead, rate)
         along = _dot(total, ahead)
         a, b = _dot(total, first), _dot(total, second)
         size = math.hypot(*total)
         if math.hypot(a, b) <= 1e-9 * size and along > 0.0:
             break
-        by_first = _loaded(pull, piece, length, flow, _turned(ahead, first, NUDGE), rate)
-        by_second = _loaded(pull, piece, length, flow, _turned(ahead, second, NUDGE), rate)
+        by_first = _loaded(force, piece, length, flow, _turned(ahead, first, NUDGE), rate)
+        by_second = _loaded(force, piece, length, flow, _turned(ahead, second, NUDGE), rate)
         aa = (_dot(by_first, first) - a) / NUDGE - along
         ba = (_dot(by_first, second) - b) / NUDGE
         ab = (_dot(by_second, first) - a) / NUDGE
         bb = (_dot(by_second, second) - b) / NUDGE - along
         determinant = aa * bb - ab * ba
         if determinant <= 0.0 or along <= 0.0:
-            # Far from balance: towards the pull.
+            # Far from balance: towards the force.
             turn_first, turn_second = a / max(size, 1e-300), b / max(size, 1e-300)
         else:
             turn_first = (ab * b - bb * a) / determinant
@@ -293,7 +295,7 @@ def _balanced(
         if turn == 0.0:
             if along >= 0.0:
                 break
-            turn_first = turn = 1.0  # exactly against the pull
+            turn_first = turn = 1.0  # exactly against the force
         share = min(1.0, WIDEST / turn)
         ahead = _turned(ahead, first, share * turn_first)
         ahead = _turned(ahead, second, share * turn_second)
@@ -327,9 +329,9 @@ def _across(ahead: Triple) -> tuple[Triple, Triple]:
 
 
 def _loaded(
-    pull: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
+    force: Triple, piece: laid_loads.Piece, length: float, flow: Triple, ahead: Triple, rate: float
 ) -> Triple:
-    """The pull from above, and what bears the loads on a length of a piece [N].
+    """The force from above, and what bears the loads on a length of a piece [N].
 
     rate: at which the cable runs along itself, against `ahead` [m/s].
     """
@@ -340,7 +342,7 @@ def _loaded(
     normal = length * piece.normal * math.sqrt(a * a + b * b + c * c)
     tangential = length * piece.tangential * abs(along) * along
     return (
-        pull[0] - normal * a - tangential * x,
-        pull[1] - normal * b - tangential * y,
-        pull[2] - normal * c - tangential * z + length * piece.weight,
+        force[0] - normal * a - tangential * x,
+        force[1] - normal * b - tangential * y,
+        force[2] - normal * c - tangential * z + length * piece.weight,
     )

@@ -273,13 +273,10 @@ def _built_from_stiffer(
                 raise
 
 
-def _built(
-    scene: Scene,
-    planar: bool | None,
-    room: float,
-    strategy: Strategy,
-) -> Block:
-    scale = tension_scale(scene)
+def _first_guess(
+    scene: Scene, strategy: Strategy, scale: float
+) -> tuple[laid_shape.Guess, list[FloatArray]]:
+    """A first shape, and nodes that are fine enough for it. scale: a typical tension [N]."""
     hangs = hung = None
     if strategy.lies is not None:
         guess = guess_of(strategy.lies, scene)
@@ -304,6 +301,17 @@ def _built(
     nodes = waves.refine(scene, nodes, points)
     if strategy.halved:
         nodes = halved(scene, nodes)
+    return guess, nodes
+
+
+def _built(
+    scene: Scene,
+    planar: bool | None,
+    room: float,
+    strategy: Strategy,
+) -> Block:
+    scale = tension_scale(scene)
+    guess, nodes = _first_guess(scene, strategy, scale)
     find = partial(find_initial_state, scene=scene, strategy=strategy)
     build_on = partial(_build_on, scene, scale=scale, planar=planar, room=room)
     if scene.initial.kind != "static":

@@ -99,9 +99,9 @@ def hung(scene: Scene, start: FloatArray) -> Guess | None:
         if found is None:
             return None
         force = found
-        pull = force - total
-        size = np.sqrt(np.sum(pull**2, axis=1) + least**2)
-        tangents = pull / size[:, None]
+        internal = force - total
+        size = np.sqrt(np.sum(internal**2, axis=1) + least**2)
+        tangents = internal / size[:, None]
         steps = (ds * (1.0 + compliance * size))[:, None] * tangents
         places = start + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
         if scene.environment.current is None:
@@ -203,11 +203,11 @@ def _force_at_start(
 
     def gap(force: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """What is left of the span, its derivative, and the convex function."""
-        pull = force - total
-        size = np.sqrt(np.sum(pull**2, axis=1) + least**2)
+        internal = force - total
+        size = np.sqrt(np.sum(internal**2, axis=1) + least**2)
         stretch = ds * (1.0 / size + compliance)
-        left = stretch @ pull - span
-        slope = np.eye(3) * stretch.sum() - (pull * (ds / size**3)[:, None]).T @ pull
+        left = stretch @ internal - span
+        slope = np.eye(3) * stretch.sum() - (internal * (ds / size**3)[:, None]).T @ internal
         return left, slope, float(ds @ (size + 0.5 * compliance * size**2)) - float(force @ span)
 
     length = float(ds.sum())

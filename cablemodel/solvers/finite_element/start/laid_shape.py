@@ -55,13 +55,13 @@ class Guess:
     """From what a start is sought.
 
     points: polyline from the tow point outwards, (n, 3) [m]; arcs: how much of cables and bodies,
-    unstretched, is above each, (n,) [m], or None where the line is spread along it evenly; pull:
-    tension, rows of (such an arc length [m], tension [N]), or None where nothing is known of it.
+    unstretched, is above each, (n,) [m], or None where the line is spread along it evenly; tension:
+    rows of (such an arc length [m], tension [N]), or None where nothing is known of it.
     """
 
     points: FloatArray
     arcs: FloatArray | None = None
-    pull: FloatArray | None = None
+    tension: FloatArray | None = None
     at_rest: bool = False
     """It is an equilibrium's: what lies is within the floor's contact layer, not exactly on it."""
 
@@ -181,7 +181,7 @@ def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging)
     arcs[-1] += missing
     arcs *= hung.line_length / arcs[-1]
     end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
-    return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.pull]), end]))
+    return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.tension]), end]))
 
 
 def surplus(scene: Scene) -> float:

@@ -28,8 +28,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     STEEPEST,
     STIFFENING,
 )
-from cablemodel.solvers.finite_element.start import continuation as continuation
-from cablemodel.solvers.finite_element.start import laid_loads, sea_floor
+from cablemodel.solvers.finite_element.start import continuation, laid_loads, sea_floor
 from cablemodel.solvers.finite_element.start.frame import earth, local
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header

@@ -63,7 +63,7 @@ def facts_of(scene: Scene, scale: float) -> FloatArray:
 
 
 def fill_motion(block: Block, pieces: FloatArray) -> None:
-    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their kinks."""
+    """The scene's pieces from row 1 on (row 0 is the caller's live motion), and their jumps."""
     table = block.array(Header.pieces, len(pieces) + 1, at.PIECE_WORDS)
     table[1:] = pieces
     fill_jumps(table[1:])

@@ -145,9 +145,9 @@ def update_body_clamps(I, M, share):
         element = node + 1 if begins else node
         edge = edge_of(I, M, element)
         slope = M[head.tension + 2 * element + 1]
-        pull = M[head.tension + 2 * element] + (-slope if begins else slope)
+        tension = M[head.tension + 2 * element] + (-slope if begins else slope)
         before = row.tension
-        row.tension += share * (pull - before)
+        row.tension += share * (tension - before)
         resolved = edge.model != MODEL_HYBRID
         target = clamp_stiffness(M, edge, row.tension, edge.length, resolved)
         if not resolved and target > row.stiffness:

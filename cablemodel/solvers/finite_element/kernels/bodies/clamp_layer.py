@@ -73,32 +73,32 @@ def free_length(I, M):
 
 
 @kernel
-def present_pull(I, M):
+def present_tension(I, M):
     """Tension that bends the cable out of the clamp [N]: the highest in what follows next.
 
     Where elements resolve the layer, that in the first of them is its part along the clamp.
     """
     head = header(I)
     near = NEXT * free_length(I, M)
-    pull = M[head.tension + 2] - M[head.tension + 3]
+    tension = M[head.tension + 2] - M[head.tension + 3]
     length = edge_of(I, M, 1).length
     node = 2
     while node < head.nodes and length < near:
-        pull = max(pull, M[head.tension + 2 * node])
+        tension = max(tension, M[head.tension + 2 * node])
         length += edge_of(I, M, node).length
         node += 1
-    return pull
+    return tension
 
 
 @kernel
-def follow_pull(I, M, share):
+def follow_tension(I, M, share):
     """Bring the tension that the layer goes by towards the present one, by `share` of the way.
 
     A line that hardly stretches answers a small change of the layer with a large one of tension:
     what goes to and fro goes by ever less.
     """
     row = constraint_of(I, M, 0)
-    change = present_pull(I, M) - row.layer_tension
+    change = present_tension(I, M) - row.layer_tension
     gain = row.tension_gain
     if change * row.tension_change < 0.0:
         gain *= 0.5
@@ -183,7 +183,7 @@ def follow_layer(I, M, dt):
     elif winch_of(I, M, 0).passing_body != 0.0:
         rate = max(rate, row.layer_rate)  # as before the body came
     row.layer_rate = rate
-    follow_pull(I, M, dt / (dt + state.period))
+    follow_tension(I, M, dt / (dt + state.period))
     row.share = share_of_layer(I, M)
     target = row.place
     layer_target(I, M, target)
@@ -209,7 +209,7 @@ def settle_layer(I, M, q):
     if row.clamped != BY_SPRING:
         return
     dimension = head.dimension
-    follow_pull(I, M, 1.0)
+    follow_tension(I, M, 1.0)
     row.share = share_of_layer(I, M)
     change = vector()
     layer_target(I, M, change)

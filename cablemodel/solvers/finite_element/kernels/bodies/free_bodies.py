@@ -300,13 +300,13 @@ def body_forces(I, M, body, t, out):
     f = wrench()  # all of it, body's axes
     place = vector()
     flow = vector()  # velocity of the water
-    pull = vector()  # acceleration of the water
+    surge = vector()  # acceleration of the water
     to_earth_axes(turn, row.buoyancy_centre, place)
     for i in range(3):
         place[i] += reference.position[i]
     current_at(I, M, place[2], flow)
     if head.surge != 0:
-        surge_at(I, M, place[2], pull)
+        surge_at(I, M, place[2], surge)
     wet = 1.0
     hull = row.hull != HULL_NONE
     buoyancy_centre = vector()
@@ -336,7 +336,7 @@ def body_forces(I, M, body, t, out):
             wet = water.wet
         for i in range(3):
             flow[i] += water.velocity[i]
-            pull[i] += water.acceleration[i]
+            surge[i] += water.acceleration[i]
     elif hull and foils != 0:
         depth = depth_below(I, M, place[0], place[1], place[2])
     # Its own inertia.
@@ -349,7 +349,7 @@ def body_forces(I, M, body, t, out):
     faster = vector()
     for i in range(3):
         through[i] = reference.velocity[i] - flow[i]
-        faster[i] = reference.acceleration[i] - pull[i]
+        faster[i] = reference.acceleration[i] - surge[i]
     gain_of(m, through, faster, v, gain)
     add_inertia(row.added, v, spin, gain, spin_rate, wet, f)
     # Weight, buoyancy with the acceleration of the water (Froude and Krylov).
@@ -360,7 +360,7 @@ def body_forces(I, M, body, t, out):
     add_force(own, row.centre, -1.0, f)
     lift = wet * row.buoyancy
     for i in range(3):
-        force[i] = lift * pull[i] / state.gravity if state.gravity > 0.0 else 0.0
+        force[i] = lift * surge[i] / state.gravity if state.gravity > 0.0 else 0.0
     force[2] += lift
     to_body_axes(turn, force, own)
     add_force(own, buoyancy_centre, -1.0, f)

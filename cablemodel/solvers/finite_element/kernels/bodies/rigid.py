@@ -127,8 +127,8 @@ def middle_waves(I, M, row, q, inner, outer, body):
 
 
 @kernel
-def clamp_stiffness(M, edge, pull, length, resolved):
-    """Moment per angle [N m] between a body of this length [m] and a cable under `pull` [N].
+def clamp_stiffness(M, edge, tension, length, resolved):
+    """Moment per angle [N m] between a body of this length [m] and a cable under tension [N].
 
     edge: row of the element next to the body; resolved: the mesh resolves its layer, as that of an
     elastica does at a body. A hybrid's element that is long against the layer sqrt(EI/T) resists a
@@ -142,24 +142,24 @@ def clamp_stiffness(M, edge, pull, length, resolved):
     if resolved:
         return CLAMP * full / min(h, length)
     stiff = SOFT_CLAMP * full / min(h, length)
-    if not pull > 0.0:
+    if not tension > 0.0:
         return stiff
-    stiff += SOFT_CLAMP * math.sqrt(full * pull)
-    x = h * math.sqrt(pull / full)
+    stiff += SOFT_CLAMP * math.sqrt(full * tension)
+    x = h * math.sqrt(tension / full)
     x4 = x**4
     share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
     if edge.bending == 0.0:
         # A string's cubic, which gives way by UNRESOLVED / h of the layer.
         share = max(1.0 - UNRESOLVED / x, 0.1)
-    return 1.0 / (share / math.sqrt(full * pull) + 1.0 / stiff)
+    return 1.0 / (share / math.sqrt(full * tension) + 1.0 / stiff)
 
 
 @kernel
-def stiffen_gently(M, k, target, pull, before, bend, share):
+def stiffen_gently(M, k, target, tension, before, bend, share):
     """The stiffness that a clamp takes instead of k where its cable asks for `target` [N m].
 
-    bend: its energy over its stiffness, 1 - cos(angle); pull, before: tensions, smoothed over time,
-    now and at the step before. A bent spring that is made stiffer gives energy to the line: by what
+    bend: its energy over its stiffness, 1 - cos(angle); tension, before: smoothed over time, now
+    and at the step before. A bent spring that is made stiffer gives energy to the line: by what
     an element that was split, or a hybrid whose bending came and went, asked of it a body under a
     snapping line got hundreds of times all the energy that there was. A layer's stiffness follows
     the tension, as its root; what goes beyond comes as its bend fades.
@@ -168,8 +168,8 @@ def stiffen_gently(M, k, target, pull, before, bend, share):
     if target <= k or k <= 0.0 or not 0.0 < share < 1.0:
         return target
     allowed = k
-    if before > 0.0 and pull > before:
-        allowed *= math.sqrt(pull / before)
+    if before > 0.0 and tension > before:
+        allowed *= math.sqrt(tension / before)
     work = share * FREE_WORK * state.tolerance * state.length * state.tension_scale
     if (target - allowed) * bend <= work:
         return target
@@ -187,7 +187,6 @@ def update_clamps(I, M, share):
     dimension = head.dimension
     axis = vector()
     along = vector()
-    tension = head.tension
     for body in range(head.body_count):
         if rigid_row(I, M, body) < 0:
             continue
@@ -198,11 +197,11 @@ def update_clamps(I, M, share):
             if edge == 0 or (side == 1 and row.tie != 0.0):
                 row.clamp[side] = 0.0  # no cable there: the vessel or a spring holds the slope
                 continue
-            slope = M[tension + 2 * edge + 1]
-            pull = M[tension + 2 * edge] + (slope if side == 0 else -slope)
+            slope = M[head.tension + 2 * edge + 1]
+            tension = M[head.tension + 2 * edge] + (slope if side == 0 else -slope)
             row_of_edge = edge_of(I, M, edge)
             before = row.clamp_tension[side]
-            row.clamp_tension[side] += share * (pull - row.clamp_tension[side])
+            row.clamp_tension[side] += share * (tension - row.clamp_tension[side])
             resolved = row_of_edge.model != MODEL_HYBRID
             target = clamp_stiffness(M, row_of_edge, row.clamp_tension[side], row.length, resolved)
             if not resolved and target > row.clamp[side]:
@@ -229,9 +228,9 @@ def clamp_forces(dimension, k, q, at, inner, outer, reach, axis, out):
     length, cosine = slope_direction(dimension, q, at, axis, along)
     for i in range(dimension):
         out[at + i] -= k / length * (axis[i] - cosine * along[i])
-        pull = k / reach * (along[i] - cosine * axis[i])
-        out[outer + i] -= pull
-        out[inner + i] += pull
+        force = k / reach * (along[i] - cosine * axis[i])
+        out[outer + i] -= force
+        out[inner + i] += force
 
 
 @kernel
@@ -256,22 +255,22 @@ def add_tie(M, row, dimension, tie, ca, inner_side, D_inner, D_outer, U, L):
     size = 2 * dimension
     length = row.length
     slope = tie + ca * SLOPE_INERTIA * row.mass * length * length
-    pull = tie / length
+    coupling = tie / length
     for i in range(dimension):
         d = dimension + i
-        add_pair(D_inner, D_outer, U, L, size, i, i, pull / length)
+        add_pair(D_inner, D_outer, U, L, size, i, i, coupling / length)
         if inner_side:
             D_inner[size * d + d] += slope
-            D_inner[size * d + i] += pull
-            D_inner[size * i + d] += pull
-            U[size * d + i] -= pull
-            L[size * i + d] -= pull
+            D_inner[size * d + i] += coupling
+            D_inner[size * i + d] += coupling
+            U[size * d + i] -= coupling
+            L[size * i + d] -= coupling
         else:
             D_outer[size * d + d] += slope
-            D_outer[size * d + i] -= pull
-            D_outer[size * i + d] -= pull
-            L[size * d + i] += pull
-            U[size * i + d] += pull
+            D_outer[size * d + i] -= coupling
+            D_outer[size * i + d] -= coupling
+            L[size * d + i] += coupling
+            U[size * i + d] += coupling
 
 
 @kernel

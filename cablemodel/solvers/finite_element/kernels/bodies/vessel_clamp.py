@@ -115,9 +115,9 @@ def update_springs(I, M, share):
     if winch_of(I, M, 0).passing_body != 0.0:
         row.share = 0.0
         return
-    pull = M[head.tension + 2] - M[head.tension + 3]
+    tension = M[head.tension + 2] - M[head.tension + 3]
     before = state.clamp_tension
-    state.clamp_tension += share * (pull - before)
+    state.clamp_tension += share * (tension - before)
     edge = edge_of(I, M, 1)
     row.share = share_of_layer(I, M)
     target = clamp_stiffness(M, edge, state.clamp_tension, edge.length, False)

@@ -109,8 +109,8 @@ def add_feet(I, M, body, f):
 def settle_feet(I, M):
     """Draw the places of rest after feet that have slipped or left the floor (return mapping).
 
-    A bristle is as stiff as the foot presses, at least as at rest: a blow would be over before one
-    for the weight alone had been bent far enough. As it stiffens it keeps its force.
+    A bristle is as stiff as the foot presses, at least as at rest: an impact would be over before
+    one for the weight alone had been bent far enough. As it stiffens it keeps its force.
     """
     head = header(I)
     state = scalars(M)
@@ -133,3 +133,22 @@ def settle_feet(I, M):
         foot.pressed = pressed
         for i in range(3):
             foot.rest[i] = at.place[i] - kept * way[i]
+
+
+@kernel
+def rest_feet(I, M):
+    """Make the present places of feet those of rest; of feet that friction held while a start was
+    sought, those from which it does so, or slips."""
+    state = scalars(M)
+    at = foot_on_floor()
+    slipped = vector()
+    for n in range(header(I).foot_count):
+        foot = foot_of(I, M, n)
+        place_foot(I, M, foot, at)
+        for i in range(3):
+            slipped[i] = at.place[i] - foot.rest[i]
+        length = along_floor(slipped, at.normal, 3)
+        limit = state.bristle if foot.friction != 0.0 else 0.0
+        kept = 1.0 if length <= limit else limit / length
+        for i in range(3):
+            foot.rest[i] = at.place[i] - kept * slipped[i]

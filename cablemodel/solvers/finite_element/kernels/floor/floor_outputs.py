@@ -27,8 +27,9 @@ from cablemodel.solvers.shared.access import (
     scalars,
     vector,
 )
-from cablemodel.solvers.shared.compile import kernel, view
+from cablemodel.solvers.shared.compile import kernel, own_record, view
 from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, JOINT_BODY, JOINT_HINGE, JOINT_ROOT
+from cablemodel.solvers.shared.record import Record, integer, real
 
 ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
 
@@ -194,6 +195,69 @@ def lying_share(I, M, node, turned, begin):
     return share * (1.0 - begin) / 16.0
 
 
+class FloorZone(Record):
+    """Of cable that comes to lie: what the floor bears up to the ends of several elements."""
+
+    geometric = real("arc length where cable is as near the floor as it lies", "m")
+    first = real("arc length where the zone may end at the earliest", "m")
+    last = real("arc length in whose element it ends", "m")
+    weight = real("of the cable there, across the floor", "N/m")
+    force = real("of the floor so far", "N")
+    moment = real("of that about arc length 0", "N m")
+    square = real("sum over the ends, of the reaction's square", "N2")
+    before = real("sum over the ends, of where cable lies that weighs as much", "m")
+    ends = integer("how many ends there are")
+
+
+floor_zone = own_record(FloorZone)
+
+
+@kernel
+def begin_zone(I, M, node, turned, arc, begin, zone, touchdown):
+    """The zone of a touchdown at a fraction of the element above a node, which begins at `arc`;
+    writes its place (3)."""
+    edge = edge_of(I, M, node)
+    normal = vector()
+    zone.geometric = arc + begin * edge.length
+    layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
+    tension = max(0.0, M[header(I).tension + 2 * node])
+    layer += math.sqrt(2.0 * scalars(M).floor_depth * tension / edge.contact)
+    zone.first = zone.geometric + ZONE[0] * layer
+    zone.last = zone.geometric + ZONE[1] * layer
+    gap_along(I, M, node, turned, begin, touchdown, normal)
+    zone.weight = edge.contact * normal[header(I).dimension - 1]
+
+
+@kernel
+def add_floor_force(I, M, node, arc, against, zone):
+    """Add the floor's force on the element above a node, without what accelerates it, and its
+    moment; arc: where it begins; against: its cable goes against the tree."""
+    head = header(I)
+    dimension = head.dimension
+    count = 2 * dimension * head.nodes
+    q = M[head.position : head.position + count]
+    v = M[head.velocity : head.velocity + count]
+    a = M[head.acceleration : head.acceleration + count]
+    contact = contact_of()
+    acceleration = vector()
+    edge = edge_of(I, M, node)
+    parent = I[head.parent + node]
+    h = edge.length
+    load = edge.contact * edge.support
+    inertia = edge.mass + edge.added_mass
+    for p in range(4):
+        press, gap, _speed = contact_force(I, M, q, v, parent, node, h, p, load, contact, dimension)
+        if gap >= scalars(M).floor_depth:
+            continue
+        weight = h * CONTACT_WEIGHTS[p]
+        there = arc + h * (1.0 - CONTACT_POINTS[p] if against else CONTACT_POINTS[p])
+        interpolate(a, parent, node, h, p, acceleration, dimension)
+        for i in range(dimension):
+            press -= inertia * contact.normal[i] * acceleration[i]
+        zone.force += weight * press
+        zone.moment += weight * press * there
+
+
 @kernel
 def touchdown_along(I, M, elements, turned, touchdown):
     """Where a line, or a part of it, comes down to the floor, looked at in the order of `elements`.
@@ -214,18 +278,12 @@ def touchdown_along(I, M, elements, turned, touchdown):
     it does at rest, they are where contact begins.
     """
     head = header(I)
-    state = scalars(M)
-    dimension = head.dimension
-    size = 2 * dimension
-    nodes = head.nodes
     count = len(elements)
-    contact = contact_of()
-    normal = contact.normal
-    acceleration = vector()
-    q = M[head.position : head.position + size * nodes]
-    v = M[head.velocity : head.velocity + size * nodes]
-    a = M[head.acceleration : head.acceleration + size * nodes]
-    depth = state.floor_depth
+    depth = scalars(M).floor_depth
+    q = M[head.position : head.position + 2 * head.dimension * head.nodes]
+    zone = floor_zone()
+    zone.first = 1e300
+    zone.last = 1e300
     for i in range(3):
         touchdown[i] = math.nan
     touched, start = find_touchdown(I, M, elements, turned)
@@ -237,15 +295,6 @@ def touchdown_along(I, M, elements, turned, touchdown):
     lying = 0.0
     arc = 0.0  # of the element's beginning
     arc_touched = 0.0
-    geometric = 0.0  # arc length where cable is as near the floor as it lies
-    last = 1e300  # arc length in whose element the zone ends
-    first = 1e300  # and where it may end at the earliest
-    ends = 0
-    weight_there = 0.0
-    force = 0.0
-    moment = 0.0  # about arc = 0
-    square = 0.0  # sums over the ends
-    before = 0.0
     whole = True
     for k in range(count):
         node = int(elements[k])
@@ -254,68 +303,45 @@ def touchdown_along(I, M, elements, turned, touchdown):
         if k > 0 and not goes_on(I, M, int(elements[k - 1]), node, turned):
             # Nothing that is beyond a cut is in balance with what is before it.
             whole = k <= touched
-            force = force if k > touched else 0.0
-            moment = moment if k > touched else 0.0
+            zone.force = zone.force if k > touched else 0.0
+            zone.moment = zone.moment if k > touched else 0.0
         if lowest_gap(I, M, q, node) >= depth:
             arc += h
             continue
-        parent = I[head.parent + node]
-        load = edge.contact * edge.support
-        inertia = edge.mass + edge.added_mass
         begin = 0.0
         reached = k >= touched
         if k == touched:
             begin = start
             arc_touched = arc
-            geometric = arc + begin * h
-            layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
-            pull = max(0.0, M[head.tension + 2 * node])
-            layer += math.sqrt(2.0 * depth * pull / edge.contact)
-            first = geometric + ZONE[0] * layer
-            last = geometric + ZONE[1] * layer
-            gap_along(I, M, node, turned, begin, touchdown, normal)
-            weight_there = edge.contact * normal[dimension - 1]
+            begin_zone(I, M, node, turned, arc, begin, zone, touchdown)
         if reached:
             lying += h * lying_share(I, M, node, turned, begin)
         # Whole elements: forces of single points are not in balance.
-        within = whole and arc < last
+        within = whole and arc < zone.last
         if reached and edge.segment != segment:
             within = False  # bodies and other cable weigh something else
-        against = against_tree(I, M, node, turned)
-        for p in range(4):
-            if not within:
-                break
-            press, gap, _speed = contact_force(
-                I, M, q, v, parent, node, h, p, load, contact, dimension
-            )
-            if gap >= depth:
-                continue
-            weight = h * CONTACT_WEIGHTS[p]
-            there = arc + h * (1.0 - CONTACT_POINTS[p] if against else CONTACT_POINTS[p])
-            interpolate(a, parent, node, h, p, acceleration, dimension)
-            for i in range(dimension):
-                press -= inertia * normal[i] * acceleration[i]
-            force += weight * press
-            moment += weight * press * there
+        if within:
+            add_floor_force(I, M, node, arc, against_tree(I, M, node, turned), zone)
         arc += h
         if reached and within:
-            if arc > first or (k + 1 == count and nothing_beyond(I, M, node, turned)):
-                about_end = force * arc - moment
-                square += force * force - 2.0 * weight_there * about_end
-                before += arc - force / max(weight_there, 1e-300)
-                ends += 1
+            if arc > zone.first or (k + 1 == count and nothing_beyond(I, M, node, turned)):
+                about_end = zone.force * arc - zone.moment
+                zone.square += zone.force * zone.force - 2.0 * zone.weight * about_end
+                zone.before += arc - zone.force / max(zone.weight, 1e-300)
+                zone.ends += 1
     reaction = 0.0
-    if ends > 0:
-        reaction = math.sqrt(max(0.0, square / ends))
-        where = before / ends + reaction / max(weight_there, 1e-300)
-        if abs(where - geometric) < last - geometric:
+    if zone.ends > 0:
+        reaction = math.sqrt(max(0.0, zone.square / zone.ends))
+        where = zone.before / zone.ends + reaction / max(zone.weight, 1e-300)
+        if abs(where - zone.geometric) < zone.last - zone.geometric:
             # Forward or back from where the cable is as near the floor as it lies; not to where
             # it is clear of the floor: what folds there is in no balance.
             place = vector()
+            normal = vector()
             go_along(I, M, elements, turned, touched, arc_touched, where, place)
             if gap_at(I, M, place, normal) < depth:
-                lying += geometric - where
-                for i in range(dimension):
+                lying += zone.geometric - where
+                for i in range(head.dimension):
                     touchdown[i] = place[i]
     return lying, reaction
 

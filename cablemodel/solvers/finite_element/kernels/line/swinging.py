@@ -138,10 +138,10 @@ def multiply(I, M, A, x, stiffness, out):
         at = 6 * int(row.node) + 3
         to = 6 * int(free_body_of(I, M, int(row.body)).node) + 3
         for i in range(3):
-            pull = row.stiffness * clamp_of_motion(I, M, row, i, x)
+            moment = row.stiffness * clamp_of_motion(I, M, row, i, x)
             for j in range(3):
-                out[at + j] -= pull * row.slopes[3 * i + j]
-                out[to + j] -= pull * row.follows[3 * i + j]
+                out[at + j] -= moment * row.slopes[3 * i + j]
+                out[to + j] -= moment * row.follows[3 * i + j]
 
 
 @outlined
@@ -160,6 +160,7 @@ def give_way(I, M, x):
 
 @outlined
 def dot(x, y):
+    """Inner product of vectors of one length."""
     total = 0.0
     for n in range(len(x)):
         total += x[n] * y[n]

@@ -46,7 +46,7 @@ def lies_to(I, M, row):
     held = constraint_of(I, M, row)
     anchor = int(held.node) if int(held.kind) == HELD_BY_ANCHOR else -1
     outward = False
-    largest = pull = 0.0
+    largest = ea_mu_w = 0.0
     if anchor >= 0:
         outward = next_along(I, anchor, True) != -1
         places = view(M, head.position, 2 * head.dimension * head.nodes)
@@ -65,18 +65,18 @@ def lies_to(I, M, row):
             largest = max(largest, abs(M[head.tension + 2 * element]))
             edge = edge_of(I, M, element)
             if not hangs and edge.compliance > 0.0:
-                pull = max(pull, state.friction * edge.contact / edge.compliance)
-        if not hangs or pull == 0.0:
+                ea_mu_w = max(ea_mu_w, state.friction * edge.contact / edge.compliance)
+        if not hangs or ea_mu_w == 0.0:
             anchor = -1
-    return anchor, outward, largest, pull
+    return anchor, outward, largest, ea_mu_w
 
 
 @inlined
-def short_bristle(M, largest, pull):
+def short_bristle(M, largest, ea_mu_w):
     """Bristle with which tensions are wrong by as much as is promised [m]."""
     state = scalars(M)
     promised = 10.0 * state.tolerance * largest
-    return max((math.e * promised) ** 2 / pull, SHORTEST_BRISTLE * state.length)
+    return max((math.e * promised) ** 2 / ea_mu_w, SHORTEST_BRISTLE * state.length)
 
 
 @kernel
@@ -86,10 +86,10 @@ def lengths_of_bristles(I, M, lengths):
     bristle = longest_bristle(M)
     lengths[0] = lengths[1] = lengths[2] = bristle
     for row in range(header(I).constraint_count):
-        anchor, _outward, largest, pull = lies_to(I, M, row)
+        anchor, _outward, largest, ea_mu_w = lies_to(I, M, row)
         if anchor >= 0:
-            short = short_bristle(M, largest, pull)
-            creeps = 100.0 * scalars(M).tolerance * largest * largest / pull
+            short = short_bristle(M, largest, ea_mu_w)
+            creeps = 100.0 * scalars(M).tolerance * largest * largest / ea_mu_w
             lengths[1] = min(lengths[1], short)
             lengths[2] = min(lengths[2], max(short, FIRM_BRISTLE * max(bristle, creeps)))
     return CHANGED if lengths[1] < bristle else NOTHING
@@ -105,8 +105,8 @@ def lay_to_anchors(I, M):
     bristle = longest_bristle(M)
     places = view(M, head.position, size * head.nodes)
     for row in range(head.constraint_count):
-        anchor, outward, largest, pull = lies_to(I, M, row)
-        if anchor < 0 or short_bristle(M, largest, pull) >= bristle:
+        anchor, outward, largest, ea_mu_w = lies_to(I, M, row)
+        if anchor < 0 or short_bristle(M, largest, ea_mu_w) >= bristle:
             continue
         node = anchor
         stretch = 0.0

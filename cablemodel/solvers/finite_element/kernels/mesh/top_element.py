@@ -322,7 +322,7 @@ def let_cable_follow(I, M):
     length = winch.top_length - row.length
     axis = new_axis()
     along_the_body(I, M, axis)
-    pull = M[head.tension + 2]
+    tension = M[head.tension + 2]
     rate = M[head.tension_rate + 2]
     open_gap(I, M, 1, 1)
     for k in range(EDGE_WORDS):
@@ -332,7 +332,7 @@ def let_cable_follow(I, M):
     edge_of(I, M, 1).start = -winch.paid
     edge_of(I, M, 2).start = length - winch.paid
     I[head.joint + 1] = 0
-    M[head.tension + 2] = pull
+    M[head.tension + 2] = tension
     M[head.tension + 3] = 0.0
     M[head.tension_rate + 2] = rate
     M[head.tension_rate + 3] = 0.0
@@ -355,7 +355,7 @@ def let_cable_follow(I, M):
     body_moved(I, M, row)
     winch.passing_body = 0.0
     winch.cable = cable + 1
-    row.clamp_tension[0] = pull
+    row.clamp_tension[0] = tension
     update_springs(I, M, 0.0)
     return OK
 

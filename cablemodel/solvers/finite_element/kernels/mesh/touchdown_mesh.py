@@ -280,7 +280,7 @@ def finest_length(I, M, node, gap, layer):
 
 @kernel
 def length_by_tension(I, M, node, gap, layer, spare, longest):
-    """The longest element with which a touchdown goes on without a jolt of the tension [m], up to
+    """The longest element with which a touchdown goes on without a jump of the tension [m], up to
     `longest`, of which one wants no more.
 
     The touchdown passes from element to element. In each, the line's length is wrong by up to what

@@ -56,7 +56,7 @@ def next_cut(I, M, winch):
 def begin_rate(I, M, n, stop):
     """Set a winch's rate for the next step; returns the time by which the step must end.
 
-    Rates hold until the next kink of the command, and not beyond the end of the drum or the
+    Rates hold until the next breakpoint of the command, and not beyond the end of the drum or the
     shortest length: there the rate is clamped to zero until the command turns round. Bodies of
     finite length are met where their turn comes.
     """

@@ -133,6 +133,38 @@ def energies(I, M, out):
 
 
 @kernel
+def place_cable(I, M, node, p, point):
+    """Fill CableInWater at Gauss point p of the element above a node, but for the water, with a
+    tangent that is as long as the cable is stretched; returns the height there and that length."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    parent = I[head.parent + node]
+    h = edge_of(I, M, node).length
+    q0 = head.position + size * parent
+    q1 = head.position + size * node
+    v0, a0 = rate_words(I, M, parent)
+    v1, a1 = rate_words(I, M, node)
+    height = 0.0
+    g2 = 0.0
+    for i in range(dimension):
+        d = dimension + i
+        a = M[q0 + i]
+        b = h * M[q0 + d]
+        c = M[q1 + i]
+        f = h * M[q1 + d]
+        height = a * H0[p] + b * H1[p] + c * H2[p] + f * H3[p]
+        point.tangent[i] = (a * D0[p] + b * D1[p] + c * D2[p] + f * D3[p]) / h
+        point.bend[i] = (a * E0[p] + b * E1[p] + c * E2[p] + f * E3[p]) / (h * h)
+        point.velocity[i] = M[v0 + i] * H0[p] + M[v1 + i] * H2[p]
+        point.velocity[i] += h * (M[v0 + d] * H1[p] + M[v1 + d] * H3[p])
+        point.acceleration[i] = M[a0 + i] * H0[p] + M[a1 + i] * H2[p]
+        point.acceleration[i] += h * (M[a0 + d] * H1[p] + M[a1 + d] * H3[p])
+        g2 += point.tangent[i] * point.tangent[i]
+    return height, math.sqrt(g2)
+
+
+@kernel
 def cable_energy(I, M, node, found):
     """Add what the element above a node has and loses."""
     head = header(I)
@@ -144,47 +176,30 @@ def cable_energy(I, M, node, found):
     tangent = point.tangent
     velocity = point.velocity
     flow = point.flow
-    surge = vector()
     parent = I[head.parent + node]
     edge = edge_of(I, M, node)
     h = edge.length
-    q0 = head.position + size * parent
-    q1 = head.position + size * node
-    v0, a0 = rate_words(I, M, parent)
-    v1, a1 = rate_words(I, M, node)
+    v0, _a0 = rate_words(I, M, parent)
+    v1, _a1 = rate_words(I, M, node)
     mean = M[head.tension + 2 * node]
     slope = M[head.tension + 2 * node + 1]
     dry = edge.added_mass if head.wave_count != 0 else 0.0
     found.kinetic += 0.5 * h * (edge.mass - dry) * square(M, v0, v1, dimension, h)
     if head.wave_count != 0:
+        q0 = head.position + size * parent
+        q1 = head.position + size * node
         element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
     e2 = 0.0
     for p in range(3):
         weight = h * WEIGHT[p]
-        g2 = 0.0
-        along = 0.0
-        vt = 0.0
-        height = 0.0
-        for i in range(dimension):
-            d = dimension + i
-            a = M[q0 + i]
-            b = h * M[q0 + d]
-            c = M[q1 + i]
-            f = h * M[q1 + d]
-            height = a * H0[p] + b * H1[p] + c * H2[p] + f * H3[p]
-            tangent[i] = (a * D0[p] + b * D1[p] + c * D2[p] + f * D3[p]) / h
-            point.bend[i] = (a * E0[p] + b * E1[p] + c * E2[p] + f * E3[p]) / (h * h)
-            velocity[i] = M[v0 + i] * H0[p] + M[v1 + i] * H2[p]
-            velocity[i] += h * (M[v0 + d] * H1[p] + M[v1 + d] * H3[p])
-            point.acceleration[i] = M[a0 + i] * H0[p] + M[a1 + i] * H2[p]
-            point.acceleration[i] += h * (M[a0 + d] * H1[p] + M[a1 + d] * H3[p])
-            g2 += tangent[i] * tangent[i]
-        g = math.sqrt(g2)
+        height, g = place_cable(I, M, node, p, point)
         if head.wave_count == 0:
             current_at(I, M, height, point.water)
         else:
             for i in range(dimension):
                 point.water[i] = W[VELOCITY + 4 * i + p]
+        along = 0.0
+        vt = 0.0
         ut = 0.0
         for i in range(dimension):
             tangent[i] /= g
@@ -210,36 +225,57 @@ def cable_energy(I, M, node, found):
         if head.wave_count != 0:
             cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found)
         elif head.drag != 0:
-            root = math.sqrt(g)
-            fn = root * edge.drag_normal * un
-            ft = root * edge.drag_tangential * abs(ut) * ut
-            for i in range(dimension):
-                force = fn * (flow[i] - ut * tangent[i]) + ft * tangent[i]
-                found.drag_power -= weight * force * velocity[i]
-            if head.surge != 0:
-                surge_at(I, M, height, surge)
-                turning = 0.0
-                for i in range(dimension):
-                    turning += surge[i] * tangent[i]
-                for i in range(dimension):
-                    force = displaced(I, M, edge) * surge[i]
-                    force += edge.added_mass * (surge[i] - turning * tangent[i])
-                    found.drag_power -= weight * force * velocity[i]
-            turning = 0.0  # v . dv/ds, then v . t_dot
-            stretching = 0.0
-            for i in range(dimension):
-                d = dimension + i
-                rate = (M[v0 + i] * D0[p] + M[v1 + i] * D2[p]) / h
-                rate += M[v0 + d] * D1[p] + M[v1 + d] * D3[p]
-                turning += velocity[i] * rate
-                stretching += tangent[i] * rate
-            turning = (turning - vt * stretching) / g
-            found.added_mass_power += weight * edge.added_mass * vt * turning
+            cable_in_current(I, M, node, p, weight, g, un, ut, height, point, found)
         e2 += WEIGHT_P2[p] * (g - 1.0)
     _d0, _d1, lost = damping_in(I, M, node)
     found.damping_power += h * lost
     e2 = 5.0 * e2 - edge.third_rest / edge.stabilisation
     found.axial += 0.1 * h * edge.stabilisation * e2 * e2
+
+
+@kernel
+def cable_in_current(I, M, node, p, weight, g, un, ut, height, point, found):
+    """Add what water without waves takes from a piece of the cable above a node; see `energies`.
+
+    weight: length of the piece [m], at Gauss point p; g: by how much it is stretched; un, ut: speed
+    of the water past it across and along it [m/s]; height: of the piece [m].
+    """
+    head = header(I)
+    dimension = head.dimension
+    tangent = point.tangent
+    velocity = point.velocity
+    edge = edge_of(I, M, node)
+    h = edge.length
+    root = math.sqrt(g)
+    fn = root * edge.drag_normal * un
+    ft = root * edge.drag_tangential * abs(ut) * ut
+    for i in range(dimension):
+        force = fn * (point.flow[i] - ut * tangent[i]) + ft * tangent[i]
+        found.drag_power -= weight * force * velocity[i]
+    if head.surge != 0:
+        surge = vector()
+        surge_at(I, M, height, surge)
+        turning = 0.0
+        for i in range(dimension):
+            turning += surge[i] * tangent[i]
+        for i in range(dimension):
+            force = displaced(I, M, edge) * surge[i]
+            force += edge.added_mass * (surge[i] - turning * tangent[i])
+            found.drag_power -= weight * force * velocity[i]
+    v0, _a0 = rate_words(I, M, I[head.parent + node])
+    v1, _a1 = rate_words(I, M, node)
+    along = 0.0  # v . t
+    turning = 0.0  # v . dv/ds, then v . t_dot
+    stretching = 0.0
+    for i in range(dimension):
+        d = dimension + i
+        rate = (M[v0 + i] * D0[p] + M[v1 + i] * D2[p]) / h
+        rate += M[v0 + d] * D1[p] + M[v1 + d] * D3[p]
+        along += velocity[i] * tangent[i]
+        turning += velocity[i] * rate
+        stretching += tangent[i] * rate
+    turning = (turning - along * stretching) / g
+    found.added_mass_power += weight * edge.added_mass * along * turning
 
 
 @kernel

@@ -17,11 +17,12 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
 from cablemodel.solvers.finite_element.kernels.outputs.part_outputs import add_wrenches
 from cablemodel.solvers.finite_element.kernels.outputs.summary import end_forces
 from cablemodel.solvers.finite_element.kernels.time.promote import promote
-from cablemodel.solvers.shared.access import header, motion_change_at, scalars, vector
+from cablemodel.solvers.shared.access import header, motion_change_at, scalars, spare_row, vector
 from cablemodel.solvers.shared.compile import kernel, outlined, view
-from cablemodel.solvers.shared.layout import (
-    JOINT_HINGE,
-)
+from cablemodel.solvers.shared.layout import JOINT_HINGE, ResponseRows
+
+ROW_CHANGE, ROW_FORCES = ResponseRows.motion.word, ResponseRows.forces.word
+ROW_SOLUTION = ResponseRows.solution.word
 
 RATE_AHEAD = 0.25  # of the caller's last step: the time over which a rate of the force is taken
 RATE_ITERATIONS = 2  # of Newton's method for it: tensions are linear in what little changes
@@ -170,9 +171,9 @@ def response_to_motion(I, M, words, out):
     count = 6 * head.nodes
     cv = 2.0 / change.lasted
     ca = 2.0 / (change.lasted * change.lasted)
-    x = view(M, head.trial_position, count)
-    y = view(M, head.trial_velocity, count)
-    solution = view(M, head.trial_acceleration, count)
+    x = view(M, spare_row(I, ROW_CHANGE), count)
+    y = view(M, spare_row(I, ROW_FORCES), count)
+    solution = view(M, spare_row(I, ROW_SOLUTION), count)
     y[:] = 0.0
     for part in range(3):
         x[:] = 0.0

@@ -18,6 +18,7 @@ from cablemodel.solvers.shared.access import (
     header,
     new_motion,
     scalars,
+    spare_row,
     summary_at,
     vector,
     winch_of,
@@ -26,9 +27,12 @@ from cablemodel.solvers.shared.compile import kernel, own_numbers, view
 from cablemodel.solvers.shared.environment import add_layer_motion
 from cablemodel.solvers.shared.layout import (
     BY_SPRING,
+    SummaryRows,
 )
 from cablemodel.solvers.shared.slack import read_slack
 from cablemodel.solvers.shared.summary import clear_floor
+
+ROW_ELEMENTS = SummaryRows.elements.word
 
 node_forces = own_numbers(6)
 """node_forces(): zeros, the force at a node and what is conjugate to its slope."""
@@ -126,7 +130,7 @@ def support_force(I, M, node, force, moment):
 
 
 @kernel
-def pull_along(I, M, node, sign):
+def reaction_along(I, M, node, sign):
     """Component along the tangent of the support's force at an end node: the tension there [N]."""
     head = header(I)
     dimension = head.dimension
@@ -181,7 +185,7 @@ def summarise(I, M, out):
     support_force(I, M, 0, view(wrench, 0, 3), view(wrench, 3, 3))
     for i in range(6):
         wrench[i] = -wrench[i]
-    top = pull_along(I, M, 0, -1.0)
+    top = reaction_along(I, M, 0, -1.0)
     found.top_tension = math.copysign(
         math.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2), top
     )
@@ -211,7 +215,7 @@ def summarise(I, M, out):
     found.drum_length = winch.paid_most - winch.paid
     clear_floor(found, 0.0)
     if head.floor_kind != 0:
-        elements = view(M, head.increment, nodes)
+        elements = view(M, spare_row(I, ROW_ELEMENTS), nodes)
         count = 0
         for node in range(1, nodes):
             if I[head.joint + node] == 0:

@@ -3,6 +3,7 @@
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.scales import line_length
+from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
 from cablemodel.solvers.finite_element.kernels.line.system import impose_motion, set_time
 from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import measure_bends
 from cablemodel.solvers.shared.access import (
@@ -15,7 +16,7 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
-from cablemodel.solvers.shared.layout import JOINT_NONE, BeginRows
+from cablemodel.solvers.shared.layout import JOINT_NONE, JOINT_ROOT, BeginRows
 
 ROW_BENT, ROW_ACCELERATIONS = BeginRows.bent.word, BeginRows.accelerations.word
 
@@ -110,15 +111,17 @@ def bends(I, M, out):
 
 @kernel
 def worst_of_shape(I, M, out):
-    """The most of that, and the largest strain of an element, by the chord between its nodes."""
+    """The most of that; the largest strain of an element, by the chord between its nodes; and the
+    lowest tension where it presses by more than tensions may be wrong by, else 0 [N]."""
     head = header(I)
     size = 2 * head.dimension
     bent = view(M, spare_row(I, ROW_BENT), head.nodes)
     bends(I, M, bent)
-    out[0] = 0.0
-    out[1] = 0.0
+    for n in range(3):
+        out[n] = 0.0
     for node in range(1, head.nodes):
         out[0] = max(out[0], bent[node])
+        out[2] = min(out[2], M[head.tension + 2 * node])
         if I[head.joint + node] != JOINT_NONE:
             continue
         square = 0.0
@@ -126,6 +129,34 @@ def worst_of_shape(I, M, out):
             here = M[head.position + size * node + i]
             square += (here - M[head.position + size * I[head.parent + node] + i]) ** 2
         out[1] = max(out[1], math.sqrt(square) / edge_of(I, M, node).length - 1.0)
+    if not out[2] < -promised_tension(M):
+        out[2] = 0.0
+
+
+@kernel
+def start_paying_out(I, M, number):
+    """Velocities of what hangs on a winch of a system that runs from t = 0 on: cable along itself,
+    and what is tied to it as it does there. At rest it would answer with a shock of EA rate / c.
+
+    Nothing else holds it: its tree begins at the winch. Returns the node behind its last one.
+    """
+    head = header(I)
+    winch = winch_of(I, M, number)
+    top = int(winch.node)
+    line = cable_of(I, M, int(winch.cable)).row
+    node = top + 1
+    while node < head.nodes and I[head.joint + node] < JOINT_ROOT:
+        runs = I[head.joint + node] == JOINT_NONE
+        if runs:
+            runs = cable_of(I, M, int(edge_of(I, M, node).segment)).row == line
+        source = top if runs else I[head.parent + node]
+        for i in range(3):
+            velocity = M[head.velocity + 6 * source + i]
+            if runs:
+                velocity += winch.rate * M[head.position + 6 * node + 3 + i]
+            M[head.velocity + 6 * node + i] = velocity
+        node += 1
+    return node
 
 
 @kernel

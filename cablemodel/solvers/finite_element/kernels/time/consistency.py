@@ -29,7 +29,14 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
     stretch_rate,
 )
-from cablemodel.solvers.shared.access import constraint_of, frame_of, header, new_motion, scalars
+from cablemodel.solvers.shared.access import (
+    constraint_of,
+    frame_of,
+    header,
+    new_motion,
+    scalars,
+    spare_row,
+)
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
 from cablemodel.solvers.shared.environment import (
     current_rate,
@@ -38,7 +45,12 @@ from cablemodel.solvers.shared.environment import (
     surge_jump,
     vessel_motion,
 )
-from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, HELD_BY_FRAME
+from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, HELD_BY_FRAME, ConsistentRows
+
+ROW_PLACES_BEFORE = ConsistentRows.places.word
+ROW_VELOCITIES_BEFORE = ConsistentRows.velocities.word
+ROW_ACCELERATIONS_BEFORE = ConsistentRows.accelerations.word
+ROW_TENSIONS_BEFORE, ROW_RATES_BEFORE = ConsistentRows.tensions.word, ConsistentRows.rates.word
 
 MOST_NORMS = 5  # in which a state is brought to its constraints, each of a tenth of the last step
 NEGLIGIBLE = 1e-9  # of the length: what may be left of a constraint
@@ -245,24 +257,28 @@ def make_consistent(I, M, changed, scheme):
         gamma_dt = max(slow, gamma_dt)
     count = 2 * head.dimension * head.nodes
     words = 2 * head.nodes
+    places = spare_row(I, ROW_PLACES_BEFORE)
+    velocities = spare_row(I, ROW_VELOCITIES_BEFORE)
+    tensions = spare_row(I, ROW_TENSIONS_BEFORE)
+    rates = spare_row(I, ROW_RATES_BEFORE)
     for _attempt in range(MOST_NORMS):
-        copy_words(I, head.base_position, head.position, count)
-        copy_words(I, head.base_velocity, head.velocity, count)
-        copy_words(I, head.trial_tension, head.tension, words)
-        copy_words(I, head.stage_tension, head.tension_rate, words)
+        copy_words(I, places, head.position, count)
+        copy_words(I, velocities, head.velocity, count)
+        copy_words(I, tensions, head.tension, words)
+        copy_words(I, rates, head.tension_rate, words)
         if meet_constraints(I, M, gamma_dt, changed, passes):
             break
         # Under pressure a long step's matrix may have no sign: inertia has.
-        copy_words(I, head.position, head.base_position, count)
-        copy_words(I, head.velocity, head.base_velocity, count)
-        copy_words(I, head.tension, head.trial_tension, words)
-        copy_words(I, head.tension_rate, head.stage_tension, words)
+        copy_words(I, head.position, places, count)
+        copy_words(I, head.velocity, velocities, count)
+        copy_words(I, head.tension, tensions, words)
+        copy_words(I, head.tension_rate, rates, words)
         state_residual(I, M)  # the next matrix takes the forces at arms from the last one
         gamma_dt *= 0.1
     if head.floor_state == FLOOR_TOUCHED:
         # Friction does not feel what is no motion.
         for n in range(count):
-            M[head.rest + n] += M[head.position + n] - M[head.base_position + n]
+            M[head.rest + n] += M[head.position + n] - M[places + n]
     head.factored = 0
     head.has_history = 0
     state.last_step = 0.0
@@ -433,7 +449,7 @@ def begin_after_a_velocity_jump(I, M, span):
     """Accelerations that go with those of the vessel and the water, at the tensions of the line.
 
     What they change moves the line's mass at once; tensions follow as waves run along it.
-    The equations are linear; the matrix is that of a step of `span`, as short as the blow.
+    The equations are linear; the matrix is that of a step of `span`, as short as the jump.
     """
     head = header(I)
     state = scalars(M)
@@ -442,7 +458,8 @@ def begin_after_a_velocity_jump(I, M, span):
     q = view(M, head.position, count)
     v = view(M, head.velocity, count)
     a = view(M, head.acceleration, count)
-    copy_words(I, head.base_velocity, head.acceleration, count)
+    before = spare_row(I, ROW_ACCELERATIONS_BEFORE)
+    copy_words(I, before, head.acceleration, count)
     set_time(I, M, state.time)
     impose_motion(I, M, state.time, q, v, a)
     if refactor_state(I, M, gamma_dt) == 0:
@@ -458,6 +475,6 @@ def begin_after_a_velocity_jump(I, M, span):
         for n in range(count):
             a[n] += inverse * x[n]
     else:
-        copy_words(I, head.acceleration, head.base_velocity, count)
+        copy_words(I, head.acceleration, before, count)
     head.factored = 0
     head.has_history = 0

@@ -29,7 +29,6 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
 from cablemodel.solvers.finite_element.kernels.time.tension import (
     LOSS_FACTOR,
     SHORT,
-    SOFTNESS,
     SOLVED_A,
     STRAINED,
     allowed_at,
@@ -61,7 +60,10 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
-from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, WHOLLY
+from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, WHOLLY, AlongRows
+
+ROW_DISPLACEMENTS, ROW_MASSES = AlongRows.displacements.word, AlongRows.masses.word
+ROW_BEYOND, ROW_CLOSED = AlongRows.beyond.word, AlongRows.closed.word
 
 SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
 SHARE_OF_WAVES = 0.6  # the same of waves: with a ring's all that a step may miss
@@ -108,15 +110,15 @@ def own_masses(I, M, own):
 @kernel
 def least_allowed(I, M, root, end):
     """The least that elements of a tree's nodes from `root` to `end` allow, over the sum of m s
-    that swings beyond them: with displacements s and masses in the words of `axial_mode`.
+    that swings beyond them: with displacements s and masses as `axial_mode` left them.
 
     Where lines close a cycle, others bear a part of that, as they do of its weight.
     """
     head = header(I)
-    s = spare_row(I, SOFTNESS)
-    own = s + head.nodes
-    beyond = own + head.nodes
-    closed = beyond + head.nodes
+    s = spare_row(I, ROW_DISPLACEMENTS)
+    own = spare_row(I, ROW_MASSES)
+    beyond = spare_row(I, ROW_BEYOND)
+    closed = spare_row(I, ROW_CLOSED)
     for node in range(root, end):
         M[beyond + node] = M[own + node] * M[s + node]
         M[closed + node] = 0.0
@@ -153,9 +155,9 @@ def axial_mode(I, M, held):
     head = header(I)
     nodes = head.nodes
     root, end = tree_of(I, held)
-    s = spare_row(I, SOFTNESS)  # displacement of each node, by a unit of gravity
-    own = s + nodes  # mass at each node
-    beyond = own + nodes  # and what hangs below it
+    s = spare_row(I, ROW_DISPLACEMENTS)
+    own = spare_row(I, ROW_MASSES)
+    beyond = spare_row(I, ROW_BEYOND)
     own_masses(I, M, own)
     copy_words(I, beyond, own, nodes)
     for node in range(end - 1, root, -1):

@@ -16,6 +16,7 @@ from cablemodel.solvers.shared.access import (
     header,
     line_of,
     scalars,
+    spare_row,
     vector,
     winch_of,
 )
@@ -25,8 +26,11 @@ from cablemodel.solvers.shared.layout import (
     SLACK_NOWHERE,
     SLACK_SOMEWHERE,
     SLACK_UNKNOWN,
+    SlackRows,
 )
 from cablemodel.solvers.shared.slack import NONE, count_step, taut_from
+
+ROW_TIES = SlackRows.ties.word
 
 
 @kernel
@@ -83,7 +87,7 @@ def set_thresholds(I, M):
     """The tension above which each line is taut again, from the state: 0 of one with a free end,
     where tension is small at all times."""
     head = header(I)
-    ties = view(M, head.increment, head.nodes)
+    ties = view(M, spare_row(I, ROW_TIES), head.nodes)
     count_ties(I, M, ties)
     look_along(I, M, head.position, head.tension, False)
     for n in range(head.line_count):

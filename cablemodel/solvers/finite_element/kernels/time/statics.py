@@ -33,7 +33,7 @@ from cablemodel.solvers.finite_element.kernels.water.flow import (
     laid_share,
 )
 from cablemodel.solvers.shared.access import edge_of, header, scalars, spare_row, vector, winch_of
-from cablemodel.solvers.shared.compile import copy_words, kernel, view
+from cablemodel.solvers.shared.compile import copy_words, kernel, outlined, own_record, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_NONE,
     FLOOR_TOUCHED,
@@ -41,6 +41,7 @@ from cablemodel.solvers.shared.layout import (
     STATICS_FAILED,
     SearchRows,
 )
+from cablemodel.solvers.shared.record import Record, integer, real
 
 ROW_PLACES, ROW_TENSIONS = SearchRows.places.word, SearchRows.tensions.word
 ROW_BORE = SearchRows.bore.word
@@ -97,168 +98,248 @@ def flow_of(I, M):
     return winch_of(I, M, 0).rate
 
 
+class Relaxation(Record):
+    """One attempt to find an equilibrium by implicit steps in a pseudo-time."""
+
+    dt = real("length of the step", "s")
+    longest = real("that it may have", "s")
+    flow = real("rate at which cable runs along the line", "m/s")
+    springs = integer("1: clamps' stiffnesses follow the tensions")
+    used = integer("iterations of Newton's method in the last step")
+    still = integer("longest steps in a row that moved the line by round-off alone")
+    calm = integer("steps in a row that moved it by no more than an equilibrium may")
+    rounds = integer("in which the floor has followed the load")
+    halvings = integer("of the last change of that, while no step has followed it")
+    pressed = real("by how much more the floor was pressed than it bore")
+    share = real("of that, by which it bears more")
+
+
+new_relaxation = own_record(Relaxation)
+
+
 @kernel
+def begin_relaxation(I, M, at):
+    """The line stands still, in steps as short as those of a run's start."""
+    head = header(I)
+    state = scalars(M)
+    at.flow = flow_of(I, M)
+    set_time(I, M, state.time)
+    if at.flow != 0.0:
+        winch_of(I, M, 0).stage_rate = 0.0  # flow.py adds the flow, at the top as elsewhere
+    count = 2 * head.dimension * head.nodes
+    for n in range(count):
+        M[head.velocity + n] = 0.0
+        M[head.acceleration + n] = 0.0
+    at.longest = LONGEST_PSEUDO_STEP
+    if head.free_count != 0:
+        at.longest = min(at.longest, LONGEST_WITH_BODIES * state.first_step)
+    if head.rigid > 0 or head.payout != 0 or head.closure_count != 0:
+        at.springs = 1
+        update_springs(I, M, 0.0)
+    keep_forces(I, M)
+    at.dt = state.first_step
+    at.halvings = LOAD_HALVINGS
+    at.share = 1.0
+
+
+@kernel
+def solve_pseudo_step(I, M, frame, at):
+    """An implicit step from the state to the trial; whether Newton's method converged."""
+    head = header(I)
+    length = scalars(M).length
+    flow = at.flow
+    inverse = 1.0 / at.dt
+    size = 2 * head.dimension
+    count = size * head.nodes
+    words = 2 * head.nodes
+    q0 = view(M, head.position, count)
+    w0 = view(M, head.velocity, count)
+    q = view(M, head.trial_position, count)
+    v = view(M, head.trial_velocity, count)
+    a = view(M, head.trial_acceleration, count)
+    tension = view(M, head.trial_tension, words)
+    forces = view(M, head.residual, count)
+    constraint = view(M, head.constraint_residual, words)
+    x = view(M, head.increment, count)
+    for n in range(count):
+        q[n] = q0[n]
+    for n in range(words):
+        tension[n] = M[head.tension + n]
+    at.used = 0
+    for iteration in range(NEWTON_LIMIT):
+        at.used = iteration + 1
+        for node in range(head.nodes):
+            for i in range(size):
+                n = size * node + i
+                w = (q[n] - q0[n]) * inverse
+                a[n] = (w - w0[n]) * inverse
+                v[n] = w
+                if i < head.dimension:
+                    v[n] += frame[i]
+        keep_matrix(I)
+        jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
+        if flow != 0.0:
+            flow_jacobian(I, M, flow, frame, q, v, a, inverse * inverse, inverse)
+        if factor_assembled(I, M) != 0:
+            return False
+        head.factorisations += 1
+        head.iterations += 1
+        residual(I, M, q, v, a, tension, forces, constraint)
+        if flow != 0.0:
+            flow_residual(I, M, flow, frame, q, v, a, tension, forces, constraint)
+        newton_increment(I, M, forces, constraint, x)
+        change, where = increment_norm(I, M, x)
+        I[head.failed] = where
+        if not change < 10.0 * length:
+            return False
+        for n in range(count):
+            q[n] += x[n]
+        tension_change = recover_tension(I, M, constraint, x, tension, True)
+        follow_forces(I, M)
+        largest = 1e-30
+        for n in range(1, head.nodes):
+            largest = max(largest, abs(tension[2 * n]))
+        if change <= 1e-11 * length or (
+            change <= 1e-8 * length and tension_change <= 1e-8 * largest
+        ):
+            return True
+    return False
+
+
+@kernel
+def shorten_pseudo_step(I, M, at):
+    """What lets the next attempt converge; whether there is something left to try."""
+    head = header(I)
+    give_back_forces(I, M)
+    if at.halvings < LOAD_HALVINGS:
+        share_loads(I, M, view(M, spare_row(I, ROW_BORE), head.nodes))
+        at.halvings += 1
+        return True
+    at.dt *= 0.25
+    return not at.dt < 1e-9 * scalars(M).first_step
+
+
+@kernel
+def take_pseudo_step(I, M, at, damped):
+    """The trial becomes the state, and what goes with that follows; how far it moved [m]."""
+    head = header(I)
+    inverse = 1.0 / at.dt
+    count = 2 * head.dimension * head.nodes
+    q0 = view(M, head.position, count)
+    w0 = view(M, head.velocity, count)
+    a0 = view(M, head.acceleration, count)
+    x = view(M, head.increment, count)
+    at.halvings = LOAD_HALVINGS
+    keep_forces(I, M)
+    for n in range(count):
+        x[n] = M[head.trial_position + n] - q0[n]
+    moved, _where = increment_norm(I, M, x)
+    for n in range(count):
+        w0[n] = 0.0 if damped else x[n] * inverse
+        q0[n] = M[head.trial_position + n]
+    copy_words(I, head.tension, head.trial_tension, 2 * head.nodes)
+    if head.parts != 0:
+        count_turns_anew(I, M, q0, w0, a0)
+    if at.springs != 0 and at.dt > 1e3 * scalars(M).first_step:
+        if head.payout != 0:
+            settle_layer(I, M, q0)
+        update_springs(I, M, 1.0)
+    return moved
+
+
+@kernel
+def is_calm(I, M, at, moved):
+    """Whether a step that moved the line so far [m] leaves it at an equilibrium."""
+    state = scalars(M)
+    # Light cable may not come closer to its place than round-off lets it.
+    rounded = moved <= STATICS_ROUND_OFF[0] * state.length
+    if header(I).free_count != 0:
+        # What nothing holds from turning turns by what Newton's method leaves.
+        rounded = rounded or moved <= UNBALANCED * state.gravity * at.dt * at.dt
+    at.still = at.still + 1 if rounded and at.dt == at.longest else 0
+    long = at.dt > 1e3 * state.first_step
+    return at.still >= STATICS_ROUND_OFF[1] or (moved <= STATICS_CALM * state.length and long)
+
+
+@kernel
+def bear_load(I, M, at):
+    """Let the floor bear what it is pressed by: the line is calm only when that is no more."""
+    head = header(I)
+    more = bear(I, M, 0.0)
+    if not abs(more) > 1e-3:
+        return
+    # Whole steps may move the cable to and fro.
+    if more * at.pressed < 0.0 and abs(more) > 0.5 * abs(at.pressed):
+        at.share *= 0.5
+    at.pressed = more
+    bore = spare_row(I, ROW_BORE)  # what it did, before
+    for node in range(head.nodes):
+        M[bore + node] = edge_of(I, M, node).support
+    bear(I, M, at.share)
+    at.halvings = 0
+    at.rounds += 1
+    at.calm = 0
+
+
+@kernel
+def stand_in_frame(I, M, frame, flow):
+    """The state at rest in a frame that moves; cable runs along it at a rate `flow`."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    count = size * head.nodes
+    w0 = view(M, head.velocity, count)
+    a0 = view(M, head.acceleration, count)
+    for node in range(head.nodes):
+        for i in range(size):
+            n = size * node + i
+            w0[n] = frame[i] if i < dimension else 0.0
+            a0[n] = 0.0
+    set_time(I, M, scalars(M).time)
+    if flow != 0.0:
+        add_flow(I, M, flow, view(M, head.position, count), w0, a0)
+
+
+@outlined
 def relax(I, M, frame, damped, strict):
     """One attempt; damped: every step starts from rest; strict: no step may end folded."""
     head = header(I)
     state = scalars(M)
-    dimension = head.dimension
-    size = 2 * dimension
-    nodes = head.nodes
-    count = size * nodes
-    q0 = M[head.position : head.position + count]
-    w0 = M[head.velocity : head.velocity + count]
-    a0 = M[head.acceleration : head.acceleration + count]
-    t0 = M[head.tension : head.tension + 2 * nodes]
-    q = M[head.trial_position : head.trial_position + count]
-    v = M[head.trial_velocity : head.trial_velocity + count]
-    a = M[head.trial_acceleration : head.trial_acceleration + count]
-    tension = M[head.trial_tension : head.trial_tension + 2 * nodes]
-    forces = M[head.residual : head.residual + count]
-    constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
-    x = M[head.increment : head.increment + count]
-    length = state.length
-    flow = flow_of(I, M)
-    set_time(I, M, state.time)
-    if flow != 0.0:
-        winch_of(I, M, 0).stage_rate = 0.0  # flow.py adds the flow, at the top as elsewhere
+    count = 2 * head.dimension * head.nodes
+    words = 2 * head.nodes
+    at = new_relaxation()
+    begin_relaxation(I, M, at)
     damping = state.floor_damping
-    if flow != 0.0:
+    if at.flow != 0.0:
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
-    w0[:] = 0.0
-    a0[:] = 0.0
-    springs = head.rigid > 0 or head.payout != 0 or head.closure_count != 0
-    longest = LONGEST_PSEUDO_STEP
-    if head.free_count != 0:
-        longest = min(longest, LONGEST_WITH_BODIES * state.first_step)
-    if springs:
-        update_springs(I, M, 0.0)
-    keep_forces(I, M)
-    dt = state.first_step
-    calm = 0
-    still = 0
-    rounds = 0
-    bore = view(M, spare_row(I, ROW_BORE), nodes)  # what the floor did, before
-    halvings = LOAD_HALVINGS  # of the last change of that, while no step has followed it
-    pressed = 0.0  # by how much more the floor was pressed than it bore
-    share = 1.0
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
-        inverse = 1.0 / dt
-        for n in range(count):
-            q[n] = q0[n]
-        for n in range(2 * nodes):
-            tension[n] = t0[n]
-        converged = False
-        used = 0
-        for iteration in range(NEWTON_LIMIT):
-            used = iteration + 1
-            for node in range(nodes):
-                for i in range(size):
-                    n = size * node + i
-                    w = (q[n] - q0[n]) * inverse
-                    a[n] = (w - w0[n]) * inverse
-                    v[n] = w
-                    if i < dimension:
-                        v[n] += frame[i]
-            keep_matrix(I)
-            jacobian(I, M, q, v, a, tension, inverse * inverse, inverse)
-            if flow != 0.0:
-                flow_jacobian(I, M, flow, frame, q, v, a, inverse * inverse, inverse)
-            if factor_assembled(I, M) != 0:
-                break
-            head.factorisations += 1
-            head.iterations += 1
-            residual(I, M, q, v, a, tension, forces, constraint)
-            if flow != 0.0:
-                flow_residual(I, M, flow, frame, q, v, a, tension, forces, constraint)
-            newton_increment(I, M, forces, constraint, x)
-            change, where = increment_norm(I, M, x)
-            I[head.failed] = where
-            if not change < 10.0 * length:
-                break
-            for n in range(count):
-                q[n] += x[n]
-            tension_change = recover_tension(I, M, constraint, x, tension, True)
-            follow_forces(I, M)
-            largest = 1e-30
-            for n in range(1, nodes):
-                largest = max(largest, abs(tension[2 * n]))
-            if change <= 1e-11 * length or (
-                change <= 1e-8 * length and tension_change <= 1e-8 * largest
-            ):
-                converged = True
-                break
-        if not converged or (strict and is_folded(I, M, q, tension)):
-            give_back_forces(I, M)
-            if halvings < LOAD_HALVINGS:
-                share_loads(I, M, bore)
-                halvings += 1
-                continue
-            dt *= 0.25
-            if dt < 1e-9 * state.first_step:
+        if not solve_pseudo_step(I, M, frame, at) or (
+            strict
+            and is_folded(
+                I, M, view(M, head.trial_position, count), view(M, head.trial_tension, words)
+            )
+        ):
+            if not shorten_pseudo_step(I, M, at):
                 break
             continue
-        halvings = LOAD_HALVINGS
-        keep_forces(I, M)
-        for n in range(count):
-            x[n] = q[n] - q0[n]
-        moved, where = increment_norm(I, M, x)
-        for n in range(count):
-            w0[n] = 0.0 if damped else x[n] * inverse
-            q0[n] = q[n]
-        for n in range(2 * nodes):
-            t0[n] = tension[n]
-        if head.parts != 0:
-            count_turns_anew(I, M, q0, w0, a0)
-        if springs and dt > 1e3 * state.first_step:
-            if head.payout != 0:
-                settle_layer(I, M, q0)
-            update_springs(I, M, 1.0)
-        # Light cable may not come closer to its place than round-off lets it.
-        rounded = moved <= STATICS_ROUND_OFF[0] * length
-        if head.free_count != 0:
-            # What nothing holds from turning turns by what Newton's method leaves.
-            rounded = rounded or moved <= UNBALANCED * state.gravity * dt * dt
-        still = still + 1 if rounded and dt == longest else 0
-        if still >= STATICS_ROUND_OFF[1] or (
-            moved <= STATICS_CALM * length and dt > 1e3 * state.first_step
-        ):
-            calm += 1
-            if calm >= 2 and head.floor_kind != 0 and rounds < FLOOR_ROUNDS:
-                more = bear(I, M, 0.0)
-                if abs(more) > 1e-3:
-                    # Whole steps may move the cable to and fro.
-                    if more * pressed < 0.0 and abs(more) > 0.5 * abs(pressed):
-                        share *= 0.5
-                    pressed = more
-                    for node in range(nodes):
-                        bore[node] = edge_of(I, M, node).support
-                    bear(I, M, share)
-                    halvings = 0
-                    rounds += 1
-                    calm = 0
-            if calm >= 2:
-                if not is_folded(I, M, q0, t0):
+        moved = take_pseudo_step(I, M, at, damped)
+        if is_calm(I, M, at, moved):
+            at.calm += 1
+            if at.calm >= 2 and head.floor_kind != FLOOR_NONE and at.rounds < FLOOR_ROUNDS:
+                bear_load(I, M, at)
+            if at.calm >= 2:
+                if not is_folded(I, M, view(M, head.position, count), view(M, head.tension, words)):
                     status = OK
                 break
         else:
-            calm = 0
-        if moved < 0.2 * length and used <= 8:
-            dt = min(dt * (2.5 if used <= 5 else 1.3), longest)
-        elif moved > 0.5 * length:
-            dt *= 0.5
-    for node in range(nodes):
-        for i in range(size):
-            n = size * node + i
-            w0[n] = 0.0
-            if i < dimension:
-                w0[n] = frame[i]
-            a0[n] = 0.0
-    set_time(I, M, state.time)
+            at.calm = 0
+        if moved < 0.2 * state.length and at.used <= 8:
+            at.dt = min(at.dt * (2.5 if at.used <= 5 else 1.3), at.longest)
+        elif moved > 0.5 * state.length:
+            at.dt *= 0.5
     state.floor_damping = damping
-    if flow != 0.0:
-        add_flow(I, M, flow, q0, w0, a0)
+    stand_in_frame(I, M, frame, at.flow)
     head.factored = 0
     return status
 

@@ -43,7 +43,7 @@ def natural_step(I, M):
 
 @kernel
 def next_stop(I, M, t_end, dt):
-    """The time to land on exactly: t_end, or an input's kink before it that matters.
+    """The time to land on exactly: t_end, or an input's breakpoint before it that matters.
 
     See `is_a_stop`; so are the times at which the current changes, and cuts.
     """

@@ -133,7 +133,7 @@ class Plan(Record):
     lands = integer("1: it ends at a stop")
     stop = real("the time to land on", "s")
     to_output = integer("1: it ends the call")
-    after_a_stop = integer("1: what drives the line may have a kink where it begins")
+    after_a_stop = integer("1: what drives the line may have a breakpoint where it begins")
     unprojected = integer("1: a step of order 4 came before, which leaves velocities as they are")
     last_jump = real("when a velocity last jumped", "s")
     iterations = integer("Newton's, before it")
@@ -219,12 +219,12 @@ def update_bending(I, M):
             continue
         h = e.length
         stiffness = e.bending_full
-        pull = h * h * (M[head.tension + 2 * node] - abs(M[head.tension + 2 * node + 1]))
+        geometric = h * h * (M[head.tension + 2 * node] - abs(M[head.tension + 2 * node + 1]))
         if e.bending == 0.0:
-            if stiffness > BENDING_ON * fine * pull:
+            if stiffness > BENDING_ON * fine * geometric:
                 e.bending = stiffness
                 switched = True
-        elif stiffness < BENDING_OFF * fine * pull:
+        elif stiffness < BENDING_OFF * fine * geometric:
             e.bending = 0.0
             switched = True
     if switched:
@@ -307,7 +307,7 @@ def plan_step(I, M, plan):
         state.step = natural
         plan.last_jump = state.time
     remaining = stop - state.time
-    # Friction that slips has a kink: across it the stages of order 4 make rings.
+    # Friction that slips turns suddenly: across it the stages of order 4 make rings.
     rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
     highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
     dt = longest_ring_step(I, M, natural, highest)
@@ -339,7 +339,7 @@ def make_ready(I, M, plan):
     dt = plan.dt
     follow_limp(I, M)
     if dt < 0.2 * state.last_step:
-        # Velocities do not meet what a jolt asks for: they run into it, and make its wave.
+        # Velocities do not meet what a jump of one asks for: they run into it, and make its wave.
         if state.time != plan.last_jump:
             make_consistent(I, M, False, plan.unprojected)
     elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_velocity_jump(

@@ -62,7 +62,7 @@ def change_over(after, before, inverse):
 
 @kernel
 def starts_at_a_breakpoint(I, M, dt):
-    """Whether the vessel's motion or the current has a kink that matters at the present time."""
+    """Whether the vessel's motion or the current has a breakpoint now that matters."""
     head = header(I)
     state = scalars(M)
     surge, _most = surge_jump(I, M, state.time)

@@ -24,7 +24,7 @@ from cablemodel.solvers.finite_element.kernels.element.stabilisation import soft
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_edge
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
-from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR, SOFTNESS
+from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
 from cablemodel.solvers.shared.access import (
     body_of,
     constraint_of,
@@ -43,7 +43,10 @@ from cablemodel.solvers.shared.layout import (
     NO_CAPACITY,
     NOTHING,
     OK,
+    AlongRows,
 )
+
+ROW_TIMES, ROW_SPEEDS = AlongRows.times.word, AlongRows.speeds.word
 
 MOST_LASTING = 2000.0  # rad: longest that a ring, or a first wave, is taken to last
 OVERTONES = 32  # most that are followed
@@ -99,11 +102,11 @@ def time_of_sound(edge):
 @kernel
 def times_of_sound(I, M, held):
     """The time in which sound runs from a node that is held to each of those that hang on it [s],
-    into the words of the softness, one a node: the first and the one beyond the last of them, and
-    the one that it comes to last."""
+    into their row: the first and the one beyond the last of those nodes, and the one that it comes
+    to last."""
     head = header(I)
     root, end = tree_of(I, held)
-    times = spare_row(I, SOFTNESS)
+    times = spare_row(I, ROW_TIMES)
     M[times + root] = 0.0
     farthest = root
     for node in range(root + 1, end):
@@ -198,7 +201,7 @@ def begin_wave(I, M, row, jump, allowed):
     root, end, farthest = times_of_sound(I, M, int(row.node))
     if runs_through(I, M, root, end) or something_between(I, M, root, end, farthest):
         return
-    lasts = M[spare_row(I, SOFTNESS) + farthest]
+    lasts = M[spare_row(I, ROW_TIMES) + farthest]
     new = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
     made = new + row.wave
     if ALL_WAVES * made <= allowed:
@@ -224,8 +227,8 @@ def speed_of_stretch(I, M, row, dt):
     beside that which grows linearly with the time of sound from that end to the farthest [m/s]."""
     head = header(I)
     root, end, farthest = times_of_sound(I, M, int(row.node))
-    times = spare_row(I, SOFTNESS)
-    speeds = times + head.nodes
+    times = spare_row(I, ROW_TIMES)
+    speeds = spare_row(I, ROW_SPEEDS)
     M[speeds + root] = 0.0
     for node in range(root + 1, end):
         M[speeds + node] = M[speeds + I[head.parent + node]]
