@@ -61,6 +61,7 @@ RARE_ENTRIES = (
     "sample_elements",
     "settle",
     "start_paying_out",
+    "start_flow",
     "stop_flow",
     "tension_ranges",
     "worst_of_shape",

@@ -331,6 +331,24 @@ def test_a_start_that_is_set_is_that_of_a_scene_with_it(data, position, velocity
         slave.close()
 
 
+def test_a_line_that_runs_out_starts_with_the_velocity_that_is_set(tmp_path):
+    """Cable that a winch pays out from a shape that is given moves with the vessel, and along
+    itself."""
+    velocity = (1.0, 0.0, 0.0)
+    drum = [{"cable": {"type": "K", "length": 50}}]
+    data = {**LET_GO, "payout": {"rate": 0.4, "drum": drum}}
+    with unpacked(cm.load_scene(data), tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"vessel.start_velocity": velocity})
+        model = cm.CableModel(moved(data, data["vessel"]["position"], velocity))
+        assert slave.get("tension.top") == pytest.approx(model.top_tension, abs=1e-6)
+        slave.set("vessel.velocity", velocity)
+        slave.step(0.3)
+        model.step(0.3, velocity)
+        end = slave.get("line.position")[-3:]  # standing still it was 0.1 m away
+        np.testing.assert_allclose(end, model.sample([model.line_length]).position[0], atol=1e-3)
+        slave.close()
+
+
 def test_a_start_that_is_set_and_nothing_else_goes_on(tmp_path):
     """Inputs are then what the start is: nothing stops the vessel."""
     with unpacked(still_scene(payout={}), tmp_path, stations=STATIONS) as found:

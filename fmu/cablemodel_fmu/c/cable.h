@@ -141,6 +141,7 @@ int64_t cablemodel_rest_feet(void *block, int64_t words);
 int64_t cablemodel_rest_here(void *block, int64_t words);
 int64_t cablemodel_count_from_zero(void *block, int64_t words);
 int64_t cablemodel_restore_bending(void *block, int64_t words);
+int64_t cablemodel_start_flow(void *block, int64_t words);
 int64_t cablemodel_stop_flow(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
 int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,

@@ -134,7 +134,10 @@ static int64_t find_initial_state(Cable *cable) {
     cablemodel_place_supports(cable->I, words);
     if (!is_static) cablemodel_rest_here(cable->I, words);
     if (is_static) status = solve_static(cable);
-    else cablemodel_tension_from_stretch(cable->I, words);
+    else {
+        cablemodel_start_flow(cable->I, words);
+        cablemodel_tension_from_stretch(cable->I, words);
+    }
     if (status == OK && cablemodel_stabilise(cable->I, words) && is_static) status = solve_static(cable);
     if (header(cable->I)->hybrid || header(cable->I)->rigid > 0 || header(cable->I)->payout)
         cablemodel_choose_bending(cable->I, words);

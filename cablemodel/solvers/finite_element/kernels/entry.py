@@ -183,6 +183,13 @@ def restore_bending(I, M):
     return 0
 
 
+@entry_point(int64(INTEGERS, REALS))
+def start_flow(I, M):
+    """Material velocity of a line that a winch pays out from the start on: begin.start_flow."""
+    begin.start_flow(I, M)
+    return 0
+
+
 @entry_point(int64(INTEGERS, REALS, REALS))
 def stop_flow(I, M, frame):
     """A line that a winch pays out as it stands in its shape: begin.stop_flow."""
@@ -443,6 +450,7 @@ ENTRY_POINTS = {
     "rest_feet": rest_feet,
     "count_from_zero": count_from_zero,
     "restore_bending": restore_bending,
+    "start_flow": start_flow,
     "stop_flow": stop_flow,
     "count_growing": count_growing,
     "count_swinging": count_swinging,

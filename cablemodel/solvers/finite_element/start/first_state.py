@@ -215,22 +215,14 @@ def hold_supports(block: Block) -> None:
 
 
 def _start_flowing(block: Block, scene: Scene) -> None:
-    """Material velocity of a cable that is paid out from t = 0 on: with the vessel, along itself.
+    """Velocities of a shape that is given: those of the scene, or those of pay-out."""
+    from cablemodel.solvers import library as entry
 
-    A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate
-    of the vessel's speed, what lies on the floor is at rest.
-    """
-    rate = scene.rate_at_start
     given = scene.initial.velocities
     if isinstance(given, tuple):
         _give_velocities(block, scene, np.asarray(given, dtype=np.float64))
-        return
-    if rate == 0.0:
-        return
-    nodes, dimension = int(block.header.nodes), int(block.header.dimension)
-    q = block.array(Header.position, nodes, 2 * dimension)
-    v = block.array(Header.velocity, nodes, 2 * dimension)
-    v[1:, :dimension] = v[0, :dimension] + rate * q[1:, dimension:]
+    else:
+        entry.start_flow(block.ints, block.reals)
 
 
 def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None:

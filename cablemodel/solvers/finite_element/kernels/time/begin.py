@@ -78,6 +78,29 @@ def restore_bending(I, M):
 
 
 @kernel
+def start_flow(I, M):
+    """Material velocity of a line alone that a winch pays out from the start on: with the vessel,
+    along itself.
+
+    A cable at rest would answer with an axial shock of EA rate / c. Where it is laid at the rate of
+    the vessel's speed, what lies on the floor is at rest.
+    """
+    head = header(I)
+    if head.parts != 0 or head.payout == 0:
+        return
+    rate = winch_of(I, M, 0).rate
+    if rate == 0.0:
+        return
+    dimension = head.dimension
+    size = 2 * dimension
+    for node in range(1, head.nodes):
+        q = head.position + size * node
+        v = head.velocity + size * node
+        for i in range(dimension):
+            M[v + i] = M[head.velocity + i] + rate * M[q + dimension + i]
+
+
+@kernel
 def stop_flow(I, M, frame):
     """A line alone as it stands in its shape, where a winch pays out: the drag's derivatives are
     then those of a shape that turns, along which the flow turns with it. frame: the velocity in
