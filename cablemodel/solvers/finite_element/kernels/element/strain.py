@@ -15,9 +15,11 @@ EXACT = 1e-12  # of a change of strain
 @kernel
 def promised_tension(M):
     """What tensions may be wrong by [N], by the largest tension so far, or next to nothing of a
-    typical one: what lies or hangs slack has none."""
+    typical one, which stands for it before the first step: what lies or hangs slack has none."""
     state = scalars(M)
-    typical = state.tolerance * state.tension_scale
+    typical = state.tension_scale
+    if state.largest_tension > 0.0:
+        typical *= state.tolerance
     return 10.0 * state.tolerance * max(state.largest_tension, typical)
 
 

@@ -19,7 +19,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     assemble_here,
     factor_assembled,
 )
-from cablemodel.solvers.shared.access import closure_of, edge_of, header, scalars
+from cablemodel.solvers.shared.access import closure_of, edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel, outlined, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     JOINT_ARM,
@@ -220,10 +220,9 @@ def count_negative(I, M):
 @outlined
 def lift_pressed(I, M):
     """Leave out what presses elements by no more than tensions may be wrong by: means below zero,
-    slopes, and the stabilisation's part. What is left of that presses nothing, and holds. Before
-    the first step a typical tension stands for the largest there has been."""
+    slopes, and the stabilisation's part. What is left of that presses nothing, and holds."""
     head = header(I)
-    allowed = max(promised_tension(M), 10.0 * scalars(M).tolerance * scalars(M).tension_scale)
+    allowed = promised_tension(M)
     tension = view(M, head.tension, 2 * head.nodes)
     for node in range(head.nodes):
         mean = tension[2 * node]
