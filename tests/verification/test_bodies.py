@@ -401,16 +401,21 @@ HARSH = {
 }
 
 
+def harsh(settings, model, length=8.0):
+    """Two bodies on pieces of cable of that length [m]."""
+    body = {**asdict(SWUNG[0]), "added_mass": 4.0, "drag_area": 0.05, "drag_area_axial": 0.01}
+    piece = {"cable": {"type": "C", "length": length, "model": model}}
+    line = [piece, {"body": body}, piece, {"body": body}, *([piece] if "end" in settings else [])]
+    return cm.CableModel(load(line, CABLE_K, tolerance=1e-3, **settings))
+
+
 @pytest.mark.parametrize("model", ["hybrid", "cable", "elastica"])
 def test_steps_of_a_line_that_is_slack_each_other_second(model):
     """Four for each radian, as above: the median of lengths that a rounding is between. How slack
     folds is chaos: from one to the next, steps differ by a tenth."""
-    body = {**asdict(SWUNG[0]), "added_mass": 4.0, "drag_area": 0.05, "drag_area_axial": 0.01}
     steps = []
     for length in 8.0 + 1e-8 * np.arange(-1, 2):
-        piece = {"cable": {"type": "C", "length": float(length), "model": model}}
-        line = [piece, {"body": body}, piece, {"body": body}]
-        simulated = cm.CableModel(load(line, CABLE_K, tolerance=1e-3, **HARSH["heave"]))
+        simulated = harsh(HARSH["heave"], model, float(length))
         simulated.step_to(20.0)
         steps.append(simulated.statistics["steps"])
     assert np.median(steps) < 4 * 76 * 20
@@ -425,10 +430,7 @@ def test_no_energy_comes_from_nowhere(case, model):
     four steps for each radian, if it were taut for all of the time.
     """
     settings = HARSH[case]
-    body = {**asdict(SWUNG[0]), "added_mass": 4.0, "drag_area": 0.05, "drag_area_axial": 0.01}
-    piece = {"cable": {"type": "C", "length": 8.0, "model": model}}
-    line = [piece, {"body": body}, piece, {"body": body}, *([piece] if "end" in settings else [])]
-    simulated = cm.CableModel(load(line, CABLE_K, tolerance=1e-3, **settings))
+    simulated = harsh(settings, model)
     energy = [stored(simulated)]
     for time in np.arange(1.0, 20.1, 1.0):
         simulated.step_to(time)

@@ -136,12 +136,7 @@ def without_tangential_drag(scene):
 
 def test_example_3_without_folds_is_that_of_the_finite_elements():
     """What is left between the two solvers where the laid cable does not fold: half a per cent, or
-    the accuracy that the finite elements promise at their tolerance.
-
-    As the first cable has just landed such a mean of one run has a standard deviation of 0.3 N, of
-    0.02 N later: which of the elements' blows it holds changes with anything. Nine runs' mean has
-    0.1 N.
-    """
+    the accuracy that the finite elements promise at their tolerance."""
     scene = without_tangential_drag(cm.load_scene(SCENES / "example_3_touchdown.yaml"))
     # Means of four seconds: elements that land make the tension ring by 0.4 N, at any tolerance.
     centres, around = (45.0, 50.0, 60.0, 80.0, 96.0, 115.0), np.linspace(-2.0, 2.0, 41)
@@ -160,7 +155,8 @@ def test_example_3_without_folds_is_that_of_the_finite_elements():
     strict=True, reason="1.5 promises apart since steps follow tensions of 180 N: 179.47, 179.19 N"
 )
 def test_example_3_as_the_first_cable_has_landed():
-    """The same tension, of the mean of nine runs."""
+    """The same tension. Such a mean of one run has a standard deviation of 0.3 N, of 0.02 N later:
+    which of the elements' blows it holds changes with anything. Nine runs' mean has 0.1 N."""
     scene = without_tangential_drag(cm.load_scene(SCENES / "example_3_touchdown.yaml"))
     times = (45.0 + np.linspace(-2.0, 2.0, 41)).tolist()
     here = compared(scene, times, tolerance=1e-4)[0][:, 0].mean()

@@ -24,6 +24,15 @@ def promised_tension(M):
 
 
 @inlined
+def largest_mean(tension, nodes):
+    """The largest mean tension of an element, either way [N]; tension: (nodes, 2)."""
+    largest = 0.0
+    for node in range(1, nodes):
+        largest = max(largest, abs(tension[2 * node]))
+    return largest
+
+
+@inlined
 def strain_in(M, edge, tension):
     """Strain [-] of an element's material at a tension [N], and d strain/d tension [1/N]."""
     return strain_and_slope(

@@ -8,6 +8,7 @@ step, is estimated from those of the stages.
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     GAMMA,
     STAGE_A,
@@ -130,9 +131,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
         follow_forces(I, M)
         settled = True
         if to_output:
-            largest = NO_TENSION * state.tension_scale
-            for n in range(1, nodes):
-                largest = max(largest, abs(tension[2 * n]))
+            largest = max(NO_TENSION * state.tension_scale, largest_mean(tension, nodes))
             settled = tension_change <= 1e-4 * largest
         if settled and size <= 0.01 * tolerance and tension_change <= most_left:
             if ratio == 1.0 and since > 0:
@@ -287,8 +286,7 @@ def accept_trial(I, M, dt, scheme):
     final = view(M, head.trial_tension, 2 * head.nodes)
     rate = view(M, head.tension_rate, 2 * head.nodes)
     sum_of_three(2 * head.nodes, (rate,), (tension, inner, final), (w0, wc, w1))
-    for node in range(1, head.nodes):
-        state.largest_tension = max(state.largest_tension, abs(final[2 * node]))
+    state.largest_tension = max(state.largest_tension, largest_mean(final, head.nodes))
     state.last_step = dt
     copy_words(I, head.position, head.trial_position, count)
     copy_words(I, head.velocity, head.trial_velocity, count)

@@ -10,6 +10,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_t
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
 from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin, bend_at_end
 from cablemodel.solvers.finite_element.kernels.element.limp import forget_limp
+from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import bear
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import leave_floor
 from cablemodel.solvers.finite_element.kernels.line.closures import (
@@ -196,9 +197,7 @@ def solve_pseudo_step(I, M, frame, at):
             q[n] += x[n]
         tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
-        largest = 1e-30
-        for n in range(1, head.nodes):
-            largest = max(largest, abs(tension[2 * n]))
+        largest = max(1e-30, largest_mean(tension, head.nodes))
         if change <= 1e-11 * length or (
             change <= 1e-8 * length and tension_change <= 1e-8 * largest
         ):

@@ -11,7 +11,7 @@ from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import count_t
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
 from cablemodel.solvers.finite_element.kernels.element.limp import follow_limp
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import follow_third_mode
-from cablemodel.solvers.finite_element.kernels.element.strain import overstretched
+from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean, overstretched
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAGES
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import settle
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, leave_floor
@@ -531,9 +531,8 @@ def advance_to(I, M, t_end):
     status = make_cuts(I, M) if head.cut_count != 0 else OK
     keep_forces(I, M)
     if head.steps == 0 and head.parts == 0:  # steps of a system remember their lines'
-        for node in range(1, head.nodes):
-            tension = abs(M[head.tension + 2 * node])
-            state.largest_tension = max(state.largest_tension, tension)
+        tension = view(M, head.tension, 2 * head.nodes)
+        state.largest_tension = max(state.largest_tension, largest_mean(tension, head.nodes))
     taken = 0
     mark = state.time
     while status == OK and state.time < t_end:

@@ -13,6 +13,7 @@ result, C d^3 q''', is the error's measure. Whatever is not smooth, or does not 
 is refused here and taken by the one-step scheme, from the same state.
 """
 
+from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import (
     NO_TENSION,
@@ -171,9 +172,7 @@ def try_two_step(I, M, dt):
         correct(count, (q, v, a), (q, v, a, x), (b0, b0 * b0))
         tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
-        largest = 0.0
-        for n in range(1, nodes):
-            largest = max(largest, abs(tension[2 * n]))
+        largest = largest_mean(tension, nodes)
         if iteration > 0:
             ratio = size / previous if previous > 0.0 else 0.0
             if size < 1e-3 * enough:
