@@ -20,7 +20,7 @@ RARE_KERNELS = (
     "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
     "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
     "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
-    "rings", "rotation", "scales", "slack", "sleep", "statics", "swinging", "tension",
+    "rings", "rotation", "scales", "slack", "sleep", "statics", "summary", "swinging", "tension",
     "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
