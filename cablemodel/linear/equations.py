@@ -7,7 +7,7 @@ drives the nodes, and the inputs u, which are rates of levels:
 
 Z_v and so on are there where bodies or clamps turn. With that, what the residual changes by is
 K q + C v + M a and what levels and inputs do beside; what is left over Z gives z''. In Newton's
-matrix cables feel the same current at another depth: what they feel there is added.
+matrix bodies feel the same current at another depth: what they feel there is added.
 """
 
 from __future__ import annotations
@@ -77,13 +77,15 @@ class Equations(ABC):
             self._let_matter_pass(winding)
 
     def _let_current_depend_on_depth(self) -> None:
-        """Add to the stiffness what the current of another depth drags cables and bodies.
+        """Add to the stiffness what the current of another depth drags bodies.
 
         Only drag depends on it. By central differences, of what drag adds to the residual: tensions
         would round them.
         """
         block, size = self.block, self.nodes * SIZE
         if block.header.current_kind == 0 or block.header.depth_count < 2:
+            return
+        if block.header.body_count == 0 and block.header.free_count == 0:
             return
         still = copy.deepcopy(block)
         edges = still.array(Header.edges, self.nodes, at.EDGE_WORDS)

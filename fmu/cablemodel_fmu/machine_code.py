@@ -20,8 +20,8 @@ RARE_KERNELS = (
     "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
     "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
     "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
-    "rings", "rotation", "scales", "slack", "sleep", "statics", "summary", "swinging", "tension",
-    "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "rings", "rotation", "scales", "shear", "slack", "sleep", "statics", "summary", "swinging",
+    "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")
@@ -63,6 +63,8 @@ RARE_ENTRIES = (
     "start_paying_out",
     "start_flow",
     "stop_flow",
+    "summary",
+    "tension_from_stretch",
     "tension_ranges",
     "worst_of_shape",
     "wrenches_when_moved",

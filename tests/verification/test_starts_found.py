@@ -107,6 +107,36 @@ def test_a_line_lies_the_way_it_was_laid(finer: float) -> None:
     assert np.linalg.norm(aside) < drawn.tolerance * model.line_length
 
 
+@pytest.mark.parametrize("length", [72.0, 77.3, 79.0])
+@pytest.mark.parametrize("tolerance", [1e-3, 2e-4])
+def test_a_thick_cable_that_hangs_straight_down_to_its_anchored_rest_starts(length, tolerance):
+    """A catenary would turn on to the floor within its layer (EI/w)^(1/3) of 2.4 m, or much less.
+    From one as wide as that, which is 6 m shorter than the cable, no start was found."""
+    scene = {
+        "environment": {"floor": {"z": -29.34, "friction": 0.5}},
+        "cable_types": {
+            "K": {
+                "diameter": 0.0657,
+                "mass": 16.84,
+                "submerged_weight": 131.0,
+                "axial_stiffness": 2.18e8,
+                "bending_stiffness": 1855.0,
+            }
+        },
+        "line": [{"cable": {"type": "K", "length": length}}],
+        "end": {"anchor": [50.5, 0.0, -29.34]},
+    }
+    coarse, fine = (
+        cm.CableModel(cm.load_scene({**scene, "solver": {"tolerance": tolerance / finer}}))
+        for finer in (1.0, 4.0)
+    )
+    away = fine.sample(PLACES * length).position - coarse.sample(PLACES * length).position
+    assert np.linalg.norm(away, axis=1).max() < 1.25 * tolerance * length
+    # What hangs is carried by the top alone, but for what the bend puts on the floor.
+    assert fine.top_tension == pytest.approx(coarse.top_tension, abs=12.5 * tolerance * 4000.0)
+    assert 131.0 * 29.34 - 157.0 < fine.top_tension < 131.0 * (length - 37.0)
+
+
 @pytest.mark.parametrize(
     ("height", "stiffness", "clamped", "speed"),
     [

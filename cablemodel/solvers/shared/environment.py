@@ -348,6 +348,20 @@ def surge_at(I, M, z, out):
 
 
 @kernel
+def shear_at(I, M, z, out):
+    """By how much the water's velocity grows with height at height z [1/s], as `current_at`."""
+    head = header(I)
+    grid = head.depths
+    low, fraction = interval(M, grid, head.depth_count, z + scalars(M).origin[2])
+    over = 1.0 / (M[grid + low + 1] - M[grid + low])
+    if fraction <= 0.0 or fraction >= 1.0:
+        over = 0.0  # as at the table's end
+    for i in range(3):
+        at = head.profile + 3 * low + i
+        out[i] = over * (M[at + 3] - M[at])
+
+
+@kernel
 def over_depth(I, M, profile, z, out):
     """Between the depths of a profile, by its first word, at height z; out: 3 words."""
     head = header(I)

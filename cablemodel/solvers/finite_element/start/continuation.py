@@ -25,7 +25,7 @@ LARGEST_SOFTENING, SMALLEST_SOFTENING, CONTINUATION_SOFTEST = 10.0, 1.05, 1e4
 """Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
 CONTINUATION_GROWTH = 1.5
 """Of a step on a way over easier equilibria, after one that was followed."""
-FEW_STEPS = 100
+FEW_STEPS = 200
 """Of a relaxation on that way."""
 LEAST_MOMENTUM, MORE_MOMENTUM, CONTINUATION_SMALLEST_SHARE = 0.1, 0.3, 0.02
 """Of the mass of a lay's cable: what it has at first, by how much more it gets, and the smallest

@@ -289,7 +289,9 @@ def _first_guess(
         hangs = bight(scene, position) if strategy.bight else None
         if hangs is not None:
             points = hangs.points
-        guess = hung or laid_shape.on_floor(scene, points, drawn=strategy.swept)
+        guess = hung or laid_shape.on_floor(
+            scene, points, drawn=strategy.swept, upright=strategy.upright
+        )
     points = guess.points
     sea_floor.check(scene, points)
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))

@@ -39,6 +39,8 @@ BEND = 2.0
 """Radius with which a first shape turns on to the floor, in touchdown layers."""
 SHAPE_TURN = 0.4
 """Length of elements in units of that in which a lay's bend dies out above the touchdown."""
+CORNER = 2.0 - 0.5 * math.pi
+"""Of the radius of an arc that turns by a right angle: what it is shorter than its corner by."""
 DIED_OUT = 1e-8
 """What is left of that bend where elements may be longer."""
 SHAPE_STEEP = math.radians(60.0)
@@ -66,10 +68,13 @@ class Guess:
     """It is an equilibrium's: what lies is within the floor's contact layer, not exactly on it."""
 
 
-def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
+def on_floor(
+    scene: Scene, points: FloatArray, *, drawn: bool = False, upright: bool = False
+) -> Guess:
     """A first shape for a static start with what lies below the floor laid on it.
 
-    drawn: what lies draws what hangs, see free_hanging.hang.
+    drawn: what lies draws what hangs, see free_hanging.hang. upright: to an anchor, straight down
+    and by an arc on to the floor.
     """
     floor = scene.environment.floor
     if floor is None or scene.initial.kind != "static":
@@ -80,6 +85,8 @@ def on_floor(scene: Scene, points: FloatArray, *, drawn: bool = False) -> Guess:
         if np.array_equal(start, end):
             return Guess(points)
         length = scene.line_length
+        if upright:
+            return Guess(_upright(floor, start, end, length))
         shape = _laid_to(floor, start, end, length, points, BEND * thinnest_layer(scene))
         return Guess(shape)
     # A clamp's bend stays as it is.
@@ -297,6 +304,17 @@ def _laid_to(
     hung[:, :2] = laid[0, :2] - np.outer(arc[:-1, 0], way)
     hung[:, 2] = start[2] + (arc[:-1, 1] - arc[0, 1]) * (start[2] - laid[0, 2]) / arc[0, 1]
     return np.vstack([hung, laid])
+
+
+def _upright(floor: Floor, start: FloatArray, end: FloatArray, length: float) -> FloatArray:
+    """A cable to an anchor that hangs straight down, and turns on to the floor by an arc that makes
+    it as long as it is, (n, 3) [m]."""
+    steps = np.linspace(0.0, 1.0, 65)
+    laid = start + np.outer(steps, end - start)
+    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    laid[-1] = end
+    cut = float(start[2] - laid[0, 2] + way_along(laid)[-1]) - length
+    return _rounded(np.vstack([start, laid[0]]), laid, max(cut, 0.0) / CORNER)
 
 
 def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:

@@ -57,7 +57,7 @@ SOFTER = 4.0
 """Of the tolerance of a lay that finds no start: at which the next one is sought."""
 LEAST = 1.5
 """Of the tolerance that is asked for: by what these are coarser at least."""
-LAID_START_STEPS = 200
+LAID_START_STEPS = 100
 """Of a relaxation over a depth table, at most. What lies on ridges slides over them a crest at a
 time, or never gets there: the plainest start, in which valleys hold it, is next."""
 STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.2
@@ -210,7 +210,15 @@ def lie_still(
         return status
 
     if coarser is not None:
-        return hold_with(1.0)
+        before = block.image.copy()
+        status = hold_with(1.0)
+        if status == at.OK or not _is_laid_back(scene):
+            return status
+        # Cable that bends less is longer at the foot: where what lies stays, that presses it.
+        block.image[:] = before
+        status = _lay_freely(block, scene, laid, solve)
+        if status != at.OK:
+            return status
     return continuation.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
 
 

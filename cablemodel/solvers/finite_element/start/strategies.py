@@ -49,6 +49,9 @@ class Strategy:
     """On elements half as long."""
     hung: bool = False
     """From where a chain hangs between two held ends, with its bodies (held_line)."""
+    upright: bool = False
+    """From a cable that hangs straight down to the floor on which it lies to its anchor: a catenary
+    as wide as the cable bends is shorter than one that is nearly slack, and would press it."""
     bight: bool = False
     """From a catenary between two ends that are close to each other, on elements graded to it."""
 
@@ -60,6 +63,7 @@ def described(strategy: Strategy) -> str:
     words += ["from where the current draws it"] * strategy.swept
     words += ["on elements half as long"] * strategy.halved
     words += ["from where a chain hangs"] * strategy.hung
+    words += ["from a cable that hangs straight down"] * strategy.upright
     words += ["from a bight"] * strategy.bight
     words += ["from the points"] * (strategy.points is not None)
     return ", ".join(words)
@@ -88,6 +92,8 @@ def strategies(scene: Scene) -> Iterator[Strategy]:
         yield Strategy(patient=True, swept=True, halved=True)
     if scene.end.kind == "anchor":
         yield Strategy(patient=True, bight=True)
+        if scene.environment.floor is not None:
+            yield Strategy(upright=True)
 
 
 def _is_clamped(scene: Scene) -> bool:

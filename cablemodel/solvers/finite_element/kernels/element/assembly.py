@@ -18,6 +18,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     MASS_PAIRS,
 )
 from cablemodel.solvers.finite_element.kernels.line.products import table_product
+from cablemodel.solvers.finite_element.kernels.water.shear import add_shear
 from cablemodel.solvers.finite_element.kernels.water.waves import (
     element_water,
     wave_loads,
@@ -225,6 +226,8 @@ def jacobian_kernel(
 
             if waves != 0:
                 wet_rows(I, M, W, edge, rows_00, rows_01, row, ca)
+            elif drag != 0 and sheared:
+                add_shear(I, M, W, edge, rows_00, row, x0, x1, v0, v1)
             if bending != 0.0:
                 _product_de(W, sums, rows, row)
             else:

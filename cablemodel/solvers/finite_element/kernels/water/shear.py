@@ -1,0 +1,46 @@
+"""How the drag of a cable changes with its height, where the current changes with depth."""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.tables import H0, H1, H2, H3
+from cablemodel.solvers.finite_element.kernels.water.waves import STRETCH, TANGENT, VELOCITY
+from cablemodel.solvers.shared.access import header, vector
+from cablemodel.solvers.shared.compile import outlined
+from cablemodel.solvers.shared.environment import shear_at
+
+
+@outlined
+def add_shear(I, M, W, edge, rows, words, x0, x1, v0, v1):
+    """What the water of another height drags at the Gauss points, d(-F)/dz = -(dF/du) du/dz, into
+    rows A00 of so many words each; F: Sun & Leonard 1998, eq. 23."""
+    dimension = header(I).dimension
+    up = dimension - 1
+    slope = dimension + up
+    h = edge.length
+    shear = vector()
+    across = vector()
+    for g in range(3):
+        height = x0[up] * H0[g] + x1[up] * H2[g] + h * (x0[slope] * H1[g] + x1[slope] * H3[g])
+        shear_at(I, M, height, shear)
+        along = 0.0
+        change = 0.0
+        for i in range(dimension):
+            d = dimension + i
+            moves = v0[i] * H0[g] + v1[i] * H2[g] + h * (v0[d] * H1[g] + v1[d] * H3[g])
+            across[i] = W[VELOCITY + 4 * i + g] - moves
+            along += across[i] * W[TANGENT + 4 * i + g]
+            change += shear[i] * W[TANGENT + 4 * i + g]
+        square = 0.0
+        change_across = 0.0
+        for i in range(dimension):
+            across[i] -= along * W[TANGENT + 4 * i + g]
+            square += across[i] ** 2
+            change_across += shear[i] * across[i]
+        root = h * math.sqrt(W[STRETCH + g])
+        normal = root * edge.drag_normal * math.sqrt(square)
+        by_tangent = (2.0 * root * edge.drag_tangential * abs(along) - normal) * change
+        by_normal = root * edge.drag_normal * change_across / max(math.sqrt(square), 1e-30)
+        for i in range(dimension):
+            dragged = normal * shear[i] + by_normal * across[i]
+            dragged += by_tangent * W[TANGENT + 4 * i + g]
+            W[rows + words * g + dimension * i + up] -= dragged
