@@ -316,6 +316,7 @@ def test_a_system_that_keeps_its_tolerance_is_confirmed_by_the_next(tmp_path: Pa
     assert replay(cm.open_run(log)).passed
 
 
+@pytest.mark.slow
 def test_a_system_that_does_not_settle_says_where(tmp_path: Path) -> None:
     """Both ends of a wire that breaks fly back, in a way of their own at every tolerance."""
     log = tmp_path / "run.mcap"

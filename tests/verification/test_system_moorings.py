@@ -502,6 +502,7 @@ def test_a_sledge_that_is_put_out_of_reach_comes_to_where_friction_holds_it() ->
     assert model.bodies["sledge"].position == pytest.approx(start, abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.6, 0.2])
 def test_a_body_that_lands_on_a_slope_is_slowed_by_the_friction_of_the_blow(
     friction: float,

@@ -43,6 +43,9 @@ SOFT = 3.0
 follows what slides along the floor, as no bristle does."""
 LAYING = 0.1
 """The same of a lay, whose first shape is nearly at rest: little pulls it far with longer ones."""
+STEADIER = 0.01
+"""Of that: the length of bristles where the longest ones find no equilibrium. Thin cable that is
+pressed but a little buckles aside, at 2 sqrt(EI k) on bristles that hold it by k [N/m2]."""
 PASSES = 12
 """In which friction is set anew to what each piece needs, at most."""
 LAID_START_CALM = 0.02
@@ -189,7 +192,7 @@ def lie_still(
         laid = _places_in(coarser, block)
     else:
         laid = _laid_line(block, scene, q)
-        status = _lay_freely(block, scene, laid, solve)
+        status, soft = _lay_freely(block, scene, laid, solve)
         if status != at.OK or not which_lie(block, scene).any():
             return status
     if dragged:
@@ -216,7 +219,7 @@ def lie_still(
             return status
         # Cable that bends less is longer at the foot: where what lies stays, that presses it.
         block.image[:] = before
-        status = _lay_freely(block, scene, laid, solve)
+        status, soft = _lay_freely(block, scene, laid, solve)
         if status != at.OK:
             return status
     return continuation.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
@@ -238,16 +241,25 @@ def longest_bristle(block: Block, scene: Scene) -> float:
     return (LAYING if is_lay(scene) else SOFT) * float(block.scalars.length)
 
 
-def _lay_freely(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
+def _lay_freely(
+    block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]
+) -> tuple[int, float]:
     """Let what lies slide on long bristles, and its line with it, to where they hold nothing; a
-    status.
+    status, and how long they are [m].
 
     laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
     """
+    soft = longest_bristle(block, scene)
     if not _is_laid_back(scene):
-        return _let_slide(block, scene, laid, solve)
+        return _let_slide(block, scene, laid, solve, soft), soft
     with _level_across(block, scene, laid[-1]) as along:
-        return _let_slide(block, along, laid, solve)
+        before, lay = block.image.copy(), laid.copy()
+        status = _let_slide(block, along, laid, solve, soft)
+        if status != at.OK:
+            block.image[:], laid[:] = before, lay
+            soft *= STEADIER
+            status = _let_slide(block, along, laid, solve, soft)
+    return status, soft
 
 
 @contextmanager
@@ -274,12 +286,14 @@ def _level_across(block: Block, scene: Scene, place: FloatArray) -> Iterator[Sce
         state.floor_plane = plane
 
 
-def _let_slide(block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]) -> int:
-    """Let what lies slide over this floor, as `_lay_freely`; a status."""
+def _let_slide(
+    block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int], soft: float
+) -> int:
+    """Let what lies slide over this floor on bristles so long [m], as `_lay_freely`; a status."""
     state = block.scalars
     shape, drawn = shape_and_roots(block)
     q, rest = _positions(block), drawn[:, : int(block.header.dimension)]
-    bristle, soft = float(state.bristle), longest_bristle(block, scene)
+    bristle = float(state.bristle)
     dragged = laid_loads.is_dragged(scene)
     # What a lay has laid is at rest over the ground: only a current pulls at it.
     drifts = not dragged and not (is_lay(scene) and scene.environment.current is None)
@@ -327,11 +341,12 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
     if pulls <= LAID_START_CALM * scene.solver.tolerance * abs(weight):
         return
     before = block.image.copy()
-    status = _lay_freely(block, scene, _laid_line(block, scene, _positions(block)), solve)
+    lay = _laid_line(block, scene, _positions(block))
+    status, soft = _lay_freely(block, scene, lay, solve)
     if status == at.OK:
         shape, drawn = shape_and_roots(block)
         bristle = float(block.scalars.bristle)
-        drawn[:] = shape - bristle / longest_bristle(block, scene) * (shape - drawn)
+        drawn[:] = shape - bristle / soft * (shape - drawn)
         bears, drags = _loads(block, scene)  # without the drag on what lies, so far
         drag = _shares(block, scene, bears, drags, False) - _shares(
             block, scene, bears, None, False
