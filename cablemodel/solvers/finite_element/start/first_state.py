@@ -176,10 +176,12 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
     if strategy.as_laid:
         hold = solve_in_few_steps if rate > 0.0 else solve
         if strategy.lets_go:
-            laid_start.let_go(block, scene, solve_in_few_steps)
+            laid_start.let_go(block, scene, solve_in_few_steps, steadier=strategy.steadier)
             status = int(at.OK)
         else:
-            status = laid_start.lie_still(block, scene, solve, hold, strategy.lies)
+            status = laid_start.lie_still(
+                block, scene, solve, hold, strategy.lies, steadier=strategy.steadier
+            )
     else:
         if not held:
             # A free end comes to rest without friction; it holds the line from there.

@@ -120,7 +120,7 @@ def stiffer_layers(scene: Scene) -> tuple[float, float] | None:
     return (most, own) if is_lay(scene) and own < most else None
 
 
-def _is_laid_back(scene: Scene) -> bool:
+def is_laid_back(scene: Scene) -> bool:
     """Whether what lies does so along a line that the vessel has laid over a plane."""
     return is_lay(scene) and _is_even(scene) and not laid_loads.is_dragged(scene)
 
@@ -139,7 +139,7 @@ def outruns_its_foot(scene: Scene) -> bool:
 def on_softer_floor(scene: Scene) -> Scene | None:
     """A lay at a coarser tolerance, whose floor is softer; None: no lay, or coarse as it is."""
     tolerance = SOFTER * scene.solver.tolerance
-    if tolerance > COARSEST or not _is_laid_back(scene):
+    if tolerance > COARSEST or not is_laid_back(scene):
         return None
     return _at_tolerance(scene, tolerance)
 
@@ -166,6 +166,7 @@ def lie_still(
     solve: Callable[[], int],
     hold: Callable[[], int],
     coarser: Block | None = None,
+    steadier: bool = False,
 ) -> int:
     """Bring a block to equilibrium with what lies held by its own friction; a status.
 
@@ -176,6 +177,7 @@ def lie_still(
         solve: equilibrium of the block as it is, a status.
         hold: the same, to where bristles have got shorter.
         coarser: leaves the first of them out; what lies is where it is in this block.
+        steadier: on short bristles only.
     """
     state = block.scalars
     shape, drawn = shape_and_roots(block)
@@ -192,7 +194,7 @@ def lie_still(
         laid = _places_in(coarser, block)
     else:
         laid = _laid_line(block, scene, q)
-        status, soft = _lay_freely(block, scene, laid, solve)
+        status, soft = _lay_freely(block, scene, laid, solve, steadier=steadier)
         if status != at.OK or not which_lie(block, scene).any():
             return status
     if dragged:
@@ -215,11 +217,11 @@ def lie_still(
     if coarser is not None:
         before = block.image.copy()
         status = hold_with(1.0)
-        if status == at.OK or not _is_laid_back(scene):
+        if status == at.OK or not is_laid_back(scene):
             return status
         # Cable that bends less is longer at the foot: where what lies stays, that presses it.
         block.image[:] = before
-        status, soft = _lay_freely(block, scene, laid, solve)
+        status, soft = _lay_freely(block, scene, laid, solve, steadier=steadier)
         if status != at.OK:
             return status
     return continuation.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
@@ -242,7 +244,12 @@ def longest_bristle(block: Block, scene: Scene) -> float:
 
 
 def _lay_freely(
-    block: Block, scene: Scene, laid: FloatArray, solve: Callable[[], int]
+    block: Block,
+    scene: Scene,
+    laid: FloatArray,
+    solve: Callable[[], int],
+    *,
+    steadier: bool,
 ) -> tuple[int, float]:
     """Let what lies slide on long bristles, and its line with it, to where they hold nothing; a
     status, and how long they are [m].
@@ -250,11 +257,11 @@ def _lay_freely(
     laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
     """
     soft = longest_bristle(block, scene)
-    if not _is_laid_back(scene):
+    if not is_laid_back(scene):
         return _let_slide(block, scene, laid, solve, soft), soft
     with _level_across(block, scene, laid[-1]) as along:
         before, lay = block.image.copy(), laid.copy()
-        status = _let_slide(block, along, laid, solve, soft)
+        status = at.STATICS_FAILED if steadier else _let_slide(block, along, laid, solve, soft)
         if status != at.OK:
             block.image[:], laid[:] = before, lay
             soft *= STEADIER
@@ -321,7 +328,7 @@ def _let_slide(
     return int(at.OK)
 
 
-def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
+def let_go(block: Block, scene: Scene, solve: Callable[[], int], *, steadier: bool = False) -> None:
     """Take what a lay's line pulls with off what hangs; without an equilibrium nothing changes.
 
     What bends on to the floor is shorter than the line it lies on by millimetres. Held where it was
@@ -342,7 +349,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int]) -> None:
         return
     before = block.image.copy()
     lay = _laid_line(block, scene, _positions(block))
-    status, soft = _lay_freely(block, scene, lay, solve)
+    status, soft = _lay_freely(block, scene, lay, solve, steadier=steadier)
     if status == at.OK:
         shape, drawn = shape_and_roots(block)
         bristle = float(block.scalars.bristle)
@@ -392,7 +399,7 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     even = _is_even(scene)
     ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
     way = ends[1] - ends[0]
-    runs_back = _is_laid_back(scene)
+    runs_back = is_laid_back(scene)
     way = _way_back(block, scene) if runs_back else way / max(float(np.linalg.norm(way)), 1e-12)
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
     lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
@@ -593,7 +600,7 @@ def _loads(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray]:
 def asked_of_friction(block: Block, scene: Scene) -> float:
     """What a lay's cable needs where it lies behind the vessel, against its slope and the current
     there, over the friction that there is: the most at any node [-]; 0 where nothing was laid."""
-    if not _is_laid_back(scene):
+    if not is_laid_back(scene):
         return 0.0
     edges = block.array(Header.edges, int(block.header.nodes), at.EDGE_WORDS)
     places, way, most = earth(block, _positions(block)), _way_back(block, scene), 0.0

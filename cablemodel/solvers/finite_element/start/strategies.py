@@ -28,6 +28,8 @@ class Strategy:
 
     as_laid: bool = False
     """Friction holds what lies on the floor, see laid_start; else what has a free end slides."""
+    steadier: bool = False
+    """What a lay has laid slides on short bristles from the first cable of its way on."""
     lies: Block | None = None
     """What lies stays where it is in this one, at a coarser tolerance or of a stiffer cable."""
     lets_go: bool = False
@@ -59,6 +61,7 @@ class Strategy:
 def described(strategy: Strategy) -> str:
     """What a strategy does, in words."""
     words = ["with friction that holds what was laid" if strategy.as_laid else "without friction"]
+    words += ["on short bristles"] * strategy.steadier
     words += ["by clamps and floors that are set bit by bit"] * strategy.patient
     words += ["from where the current draws it"] * strategy.swept
     words += ["on elements half as long"] * strategy.halved
@@ -74,6 +77,8 @@ def strategies(scene: Scene) -> Iterator[Strategy]:
     laid = laid_start.applies(scene)
     if laid:
         yield Strategy(as_laid=True)
+        if laid_start.is_laid_back(scene):
+            yield Strategy(as_laid=True, steadier=True)
     if scene.end.kind == "anchor" and len(scene.line) > 1 and laid_shape.surplus(scene) <= 0.0:
         yield Strategy(hung=True)
     yield Strategy()
