@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import cablemodel as cm
+from benchmarks.random_scenes.ordinary import draw_ordinary
 from tests.verification.references.lays import (
     ARMOURED,
     DENSITY,
@@ -375,3 +376,18 @@ def test_a_lay_down_a_slope_that_gets_too_little_cable_is_told() -> None:
     before = model.top_tension
     model.step_to(30.0)
     assert model.top_tension > 1.02 * before
+
+
+@pytest.mark.parametrize("seed", [22508, 24349, 25763, 29753])
+@pytest.mark.filterwarnings("error")
+def test_thin_cable_across_a_current_starts_without_tension_where_it_lands(seed: int) -> None:
+    """Ordinary jobs that were refused, or started drawn. Without drag along itself a line that
+    lands without tension carries at its top the weight of as much cable as the water is deep."""
+    drawn = draw_ordinary(seed)
+    model = cm.CableModel(cm.load_scene(drawn.scene))
+    length, top = model.line_length, model.top_tension
+    state = model.sample(np.linspace(0.0, length, 2001))
+    lands = int(np.flatnonzero(state.on_floor)[0])
+    assert abs(state.tension[lands]) < 10.0 * drawn.tolerance * top
+    weight = drawn.scene["cable_types"]["K"]["submerged_weight"]
+    assert top == pytest.approx(-weight * state.position[lands, 2], rel=1e-2)
