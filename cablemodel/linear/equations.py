@@ -83,9 +83,8 @@ class Equations(ABC):
         would round them.
         """
         block, size = self.block, self.nodes * SIZE
-        if block.header.current_kind == 0 or block.header.depth_count < 2:
-            return
-        if block.header.body_count == 0 and block.header.free_count == 0:
+        head = block.header
+        if head.current_kind == 0 or head.depth_count < 2 or head.body_count + head.free_count == 0:
             return
         still = copy.deepcopy(block)
         edges = still.array(Header.edges, self.nodes, at.EDGE_WORDS)

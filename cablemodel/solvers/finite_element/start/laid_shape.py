@@ -110,10 +110,7 @@ def on_floor(
         if settled is not None:
             return _stretched(np.vstack([bend, settled]), bend, hung)
     foot = hung.points[-1]
-    steps = np.linspace(0.0, length, 65)
-    laid = np.empty((len(steps), 3))
-    laid[:, :2] = foot[:2] + np.outer(steps, hung.way)
-    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    laid = _places_on(floor, foot[:2] + np.outer(np.linspace(0.0, length, 65), hung.way))
     shape = np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
     return _stretched(shape, bend, hung) if laying else Guess(shape)
 
@@ -158,8 +155,8 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     steps = np.concatenate([steps, steps[-1] + rest * np.linspace(0.0, 1.0, 65)[1:] ** 2])
     heights = np.concatenate([heights, np.zeros(64)])
     places = top[:2] + np.outer(steps, along[:2])
-    bottom = np.array([floor.height(float(x), float(y)) for x, y in places])
-    settled = np.column_stack([places, bottom + heights / flat])
+    settled = _places_on(floor, places)
+    settled[:, 2] += heights / flat
     # Closer and closer to it, so that its slopes are not carried far up the line.
     last = float(arcs[-1]) - above
     near = last - np.geomspace(above, max(0.5 * last, above), 12)[::-1]
@@ -189,6 +186,11 @@ def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging)
     arcs *= hung.line_length / arcs[-1]
     end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
     return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.tension]), end]))
+
+
+def _places_on(floor: Floor, places: FloatArray) -> FloatArray:
+    """Where the floor is at horizontal places (n, 2), (n, 3) [m]."""
+    return np.column_stack([places, [floor.height(float(x), float(y)) for x, y in places]])
 
 
 def surplus(scene: Scene) -> float:
@@ -293,10 +295,7 @@ def _laid_to(
     hang = arc[0, 0] if len(arc) else 0.0
     if hang > across:
         return hanging
-    steps = np.linspace(hang, across, 65)
-    laid = np.empty((len(steps), 3))
-    laid[:, :2] = start[:2] + np.outer(steps, way)
-    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    laid = _places_on(floor, start[:2] + np.outer(np.linspace(hang, across, 65), way))
     laid[-1] = end
     if not len(arc):
         return _rounded(np.vstack([start, laid[0]]), laid, radius)
@@ -307,11 +306,9 @@ def _laid_to(
 
 
 def _upright(floor: Floor, start: FloatArray, end: FloatArray, length: float) -> FloatArray:
-    """A cable to an anchor that hangs straight down, and turns on to the floor by an arc that makes
-    it as long as it is, (n, 3) [m]."""
-    steps = np.linspace(0.0, 1.0, 65)
-    laid = start + np.outer(steps, end - start)
-    laid[:, 2] = [floor.height(float(a), float(b)) for a, b in laid[:, :2]]
+    """A cable to an anchor that hangs straight down, and turns on to the floor, as if that were
+    level, by an arc that makes it as long as it is, (n, 3) [m]."""
+    laid = _places_on(floor, start[:2] + np.outer(np.linspace(0.0, 1.0, 65), (end - start)[:2]))
     laid[-1] = end
     cut = float(start[2] - laid[0, 2] + way_along(laid)[-1]) - length
     return _rounded(np.vstack([start, laid[0]]), laid, max(cut, 0.0) / CORNER)
