@@ -218,7 +218,8 @@ class Floor(SceneModel):
     damping: Annotated[float, Quantity("s/m", at_least=0)] | None = Field(
         default=None,
         description="growth of the floor's force per speed of approach: a body leaves it at "
-        "no more than 1 / damping; by default 1 over the speed at which the cable sinks",
+        "no more than 1 / damping; by default 1 over the speed at which the cable sinks; bodies "
+        "do not bounce",
     )
 
     @model_validator(mode="after")

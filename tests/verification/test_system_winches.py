@@ -358,7 +358,7 @@ def test_a_winch_does_not_run_from_the_start_where_what_hangs_is_held() -> None:
     empty["winches"]["main"]["drum"] = 0.0
     assert cm.load_system(empty).winches["main"].rate_at_start == 0.0
     stands = hoisting("down", 0.3)
-    stands["environment"]["floor"] = {"z": -40.0, "friction": 0.3}
+    stands["environment"]["floor"] = {"z": -75.0, "friction": 0.3}
     with pytest.raises(SceneError, match="touches the sea floor, and hoist is tied to more"):
         SystemModel(stands)
 

@@ -379,6 +379,51 @@ def test_a_load_leaves_the_floor_as_its_damping_lets_it(damping: float) -> None:
     assert up == pytest.approx(left, rel=0.03)
 
 
+@pytest.mark.parametrize("half_length", [0.0, 1.0])
+@pytest.mark.parametrize("tolerance", [1e-3, 2.5e-4, 1e-4])
+def test_a_load_that_lands_takes_tension_off_its_wire_by_steps(
+    tolerance: float, half_length: float
+) -> None:
+    """Soil throws nothing up again. The wire, paid out at V to a load that lies, sends V sqrt(EA m)
+    up and down: its top tension falls by twice that whenever a front arrives. (A load that
+    bounced made it 1.4 of them.) Longer steps of the caller damp what rings after a landing."""
+    speed, mass, stiffness = 0.167, 0.625, 6.3e6
+    wire = {
+        "diameter": 0.0134, "mass": mass, "submerged_weight": 4.7, "axial_stiffness": stiffness,
+        "bending_stiffness": 8.4,
+    }  # fmt: skip
+    load = {
+        "mass": 2170.0, "submerged_weight": 16840.0, "drag_area": 0.7, "drag_coefficient": 1.0,
+        "half_length": half_length,
+    } | ({"rotary_inertia": 1400.0} if half_length else {})  # fmt: skip
+    rate = [{"t": 0.0, "rate": 0.0}, {"t": 10.0, "rate": 0.0}, {"t": 20.0, "rate": speed}]
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": {"z": -445.0 - 2.0 * half_length}},
+                "cable_types": {"wire": wire},
+                "line": [{"cable": {"type": "wire", "length": 440.0}}, {"body": load}],
+                "payout": {"rate": rate, "drum": [{"cable": {"type": "wire", "length": 30.0}}]},
+                "solver": {"tolerance": tolerance},
+            }
+        )
+    )
+    model.step_to(35.0)
+    hangs = model.top_tension
+    drop = speed * math.sqrt(stiffness * mass)
+    carries = model.tension_min
+    while model.tension_min > carries - 0.5 * drop:
+        model.step(0.01)
+        assert model.time < 40.0
+    landed, trip = model.time, 2.0 * model.line_length * math.sqrt(mass / stiffness)
+    for fronts in range(1, 11):
+        for part in range(27, -1, -1):
+            model.step_to(landed + trip * (fronts - part / 28))
+        expected = hangs - 2.0 * drop * fronts
+        assert model.top_tension == pytest.approx(expected, abs=0.25 * 2.0 * drop)
+        assert model.bodies[0].velocity[2] < 0.1 * speed
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 @pytest.mark.parametrize("line", [[cable(10.0)], [cable(10.0), {"body": BODY}]])
 def test_line_let_down_vertically_does_not_stand(line, tolerance):

@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 25
+VERSION = 26
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -42,7 +42,7 @@ class Header(Record):
     factored = integer("1 while the stored factorisation may be used")
     fresh = integer("1 while that factorisation was made at the present step")
     order = integer("3 or 4: order of the time integrator")
-    growth_barred = integer("1 after a rejection: the next step may not grow")
+    growth_barred = integer("steps that may not grow: one after a rejection, more at a floor")
     steps = integer("steps taken")
     rejected = integer("steps rejected")
     factorisations = integer("factorisations made")
@@ -218,6 +218,7 @@ class Scalars(Record, first=HEADER_WORDS):
     friction = real("Coulomb coefficient")
     bristle = real("length of a bristle", "m")
     floor_damping = real("force grows by this per speed of approach", "s/m")
+    landing_damping = real("so that of bodies", "s/m")
     floor_plane = reals(5, "z, slopes towards x and y, place x, y where the height is z")
     floor_top = real("highest point of the floor that can be reached", "m")
     floor_bend = real("a bound on 1/8 of the floor's second derivatives", "1/m")

@@ -181,7 +181,7 @@ def fill(block: Block, scene: CableScene) -> None:
     state.friction = floor.friction
     head.sleep = int(floor.friction > 0.0)
     head.floor_state = at.FLOOR_TOUCHED  # until it is known where the line is
-    state.floor_damping = _damping(scene)
+    state.floor_damping, state.landing_damping = _damping(scene)
     if floor.z is not None:
         head.floor_kind = at.FLOOR_PLANE
         state.floor_plane = (floor.z, *floor.slope, *floor.at)
@@ -217,12 +217,17 @@ def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:
     return float(max(np.abs(first).max(), np.abs(last).max()))
 
 
-def _damping(scene: CableScene) -> float:
-    """By how much the floor's force grows per speed of approach [s/m]; by default one over the
-    speed at which the cable sinks: it rings little when it lands."""
+def _damping(scene: CableScene) -> tuple[float, float]:
+    """By how much the floor's force on cable, and on bodies, grows per speed of approach [s/m].
+
+    By default one over the speed at which the cable sinks: it rings little when it lands. Soil
+    throws no load up again: a body that falls from tau L above comes to rest within the layer in
+    which the floor begins to push, which takes a third of its depth times damping and gravity off
+    the speed. It lands without a bounce, then, the finer the tolerance the faster it is.
+    """
     floor = scene.environment.floor
     if floor is not None and floor.damping is not None:
-        return floor.damping
+        return floor.damping, floor.damping
     rho = scene.environment.water_density
     speeds = []
     for cable in scene.cables:
@@ -230,7 +235,10 @@ def _damping(scene: CableScene) -> float:
         weight = contact_weight(kind, scene.environment.gravity)
         drag = rho * kind.drag_normal * kind.diameter
         speeds.append(math.sqrt(2.0 * weight / drag) if drag > 0.0 else 1.0)
-    return 1.0 / max(speeds)
+    sinks = 1.0 / max(speeds)
+    fall = scene.solver.tolerance * scene.line_length
+    speed = math.sqrt(2.0 * scene.environment.gravity * fall)
+    return sinks, max(sinks, 3.0 * speed / (scene.environment.gravity * contact_depth(scene)))
 
 
 def place_of_rest(block: Block, scene: Scene) -> None:

@@ -89,6 +89,12 @@ def place_law(preload, gap, depth):
 
 
 @inlined
+def place_damping(M, preload):
+    """By how much the floor's force at a place grows per speed of approach [s/m]: bodies bear."""
+    return scalars(M).landing_damping if preload else scalars(M).floor_damping
+
+
+@inlined
 def along_floor(way, normal, dimension):
     """Remove the part along the normal from a vector; returns its length."""
     along = 0.0
@@ -324,7 +330,7 @@ def place_force(I, M, load, preload, node, q, v, contact):
     for i in range(dimension):
         speed += v[size * node + i] * normal[i]
     share, _stiffness, _energy = place_law(preload, gap, depth)
-    press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
+    press = load * share * max(0.0, 1.0 - place_damping(M, preload) * speed)
     if state.friction > 0.0 and press > 0.0:
         bristle_at(I, M, node, contact, dimension)
         friction(M, load, press, contact, dimension)

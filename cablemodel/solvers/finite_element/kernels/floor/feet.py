@@ -91,7 +91,7 @@ def add_feet(I, M, body, f):
         for i in range(3):
             speed += at.velocity[i] * normal[i]
             bristle[i] = at.place[i] - foot.rest[i]
-        press = load * share * max(0.0, 1.0 - state.floor_damping * speed)
+        press = load * share * max(0.0, 1.0 - state.landing_damping * speed)
         length = along_floor(bristle, normal, 3)
         stiffness = foot.friction * load * foot.pressed / state.bristle
         if stiffness * length > foot.friction * press:
@@ -124,7 +124,7 @@ def settle_feet(I, M):
         for i in range(3):
             speed += at.velocity[i] * at.normal[i]
             way[i] = at.place[i] - foot.rest[i]
-        press = share * max(0.0, 1.0 - state.floor_damping * speed)
+        press = share * max(0.0, 1.0 - state.landing_damping * speed)
         length = along_floor(way, at.normal, 3)
         pressed = max(1.0, press)
         # Over friction and load, as a length times what presses.

@@ -16,6 +16,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     contact_places,
     friction,
     interpolate,
+    place_damping,
     place_force,
     place_law,
 )
@@ -284,7 +285,6 @@ def floor_jacobian(I, M, q, v, cv):
     slip = contact.slip
     turn = matrix()
     depth = state.floor_depth
-    damping = state.floor_damping
     rubs = state.friction > 0.0
     bends = head.floor_kind == FLOOR_TABLE
     for place in range(contact_places(I)):
@@ -295,6 +295,7 @@ def floor_jacobian(I, M, q, v, cv):
         if press <= 0.0:
             continue
         _share, stiffness, _energy = place_law(preload, gap, depth)
+        damping = place_damping(M, preload)
         free = 1.0 - damping * speed
         stiff = load * stiffness * free + cv * damping * press / free
         add_at_node(I, M, node, stiff, normal, normal, False)

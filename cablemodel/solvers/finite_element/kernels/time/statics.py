@@ -308,9 +308,10 @@ def relax(I, M, frame, damped, strict):
     words = 2 * head.nodes
     at = new_relaxation()
     begin_relaxation(I, M, at)
-    damping = state.floor_damping
+    damping, landing = state.floor_damping, state.landing_damping
     if at.flow != 0.0:
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
+    state.landing_damping = state.floor_damping
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         if not solve_pseudo_step(I, M, frame, at) or (
@@ -337,7 +338,7 @@ def relax(I, M, frame, damped, strict):
             at.dt = min(at.dt * (2.5 if at.used <= 5 else 1.3), at.longest)
         elif moved > 0.5 * state.length:
             at.dt *= 0.5
-    state.floor_damping = damping
+    state.floor_damping, state.landing_damping = damping, landing
     stand_in_frame(I, M, frame, at.flow)
     head.factored = 0
     return status

@@ -21,6 +21,7 @@ STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_PAYS = 1e-4  # tau down to which they do
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
+STEPS_TO_RING_OUT = 10  # that stay as long as they are then: what a failure leaves dies away
 EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
@@ -90,12 +91,13 @@ def shorten(I, M, dt, scheme, status, error):
     head = header(I)
     state = scalars(M)
     head.rejected += 1
-    head.growth_barred = 1
+    head.growth_barred = max(head.growth_barred, 1)
     if status != OK:
         factor = 0.4
         if head.floor_state == FLOOR_TOUCHED:
             factor = FAILED
             state.tractable = FAILED * dt
+            head.growth_barred = STEPS_TO_RING_OUT
     else:
         factor = max(0.3, by_error(scheme, error))
         if not factor < 0.9:
@@ -112,9 +114,9 @@ def adapt_step(I, M, dt, scheme, error):
     factor = STEP_LARGEST_GROWTH
     if error > 1e-12:
         factor = min(STEP_LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
-    if head.growth_barred == 1:
+    if head.growth_barred > 0:
         factor = min(factor, 1.0)
-        head.growth_barred = 0
+        head.growth_barred -= 1
     if 0.95 <= factor and factor <= 1.3:
         factor = 1.0
     if factor >= 1.0:
@@ -162,15 +164,16 @@ def choose_order(I, M, scheme, iterations, to_output):
 
 
 @kernel
-def follow_iterations(M, dt, iterations):
+def follow_iterations(I, M, dt, iterations):
     """After a step at a floor of so many iterations a stage: which steps are tractable.
 
     What limits a step where cable lands and folds is Newton's method, not the error: a growth by
-    the error alone fails every second time.
+    the error alone fails every second time. So does one by the iterations alone where a failure
+    has left cable that swings on its friction: that rings out first.
     """
     state = scalars(M)
     limit = state.tractable
-    if limit == 0.0:
+    if limit == 0.0 or header(I).growth_barred > 0:
         return
     if iterations <= EASY[0]:
         # Of longer steps one that the caller limits tells little.

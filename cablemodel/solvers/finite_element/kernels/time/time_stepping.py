@@ -492,7 +492,7 @@ def take(I, M, plan):
     adapt_step(I, M, dt, scheme, plan.error)
     if not two_steps:
         if head.floor_state == FLOOR_TOUCHED:
-            follow_iterations(M, dt, iterations / (STAGES[scheme] - 1))
+            follow_iterations(I, M, dt, iterations / (STAGES[scheme] - 1))
         choose_order(I, M, scheme, iterations, plan.to_output != 0)
     if head.cut_count != 0:
         return make_cuts(I, M)
