@@ -85,6 +85,14 @@ def by_error(scheme, error):
     return 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
 
 
+@inlined
+def friction_swings(M, dt):
+    """Whether cable swings on its bristles more quickly than steps of dt follow: friction would
+    move it by more than a bristle in one. Slower swings are followed, and none the sooner over."""
+    state = scalars(M)
+    return state.friction * state.gravity * dt * dt > state.bristle
+
+
 @kernel
 def shorten(I, M, dt, scheme, status, error):
     """After a step that is refused: a shorter one; False where there is none."""
@@ -97,7 +105,8 @@ def shorten(I, M, dt, scheme, status, error):
         if head.floor_state == FLOOR_TOUCHED:
             factor = FAILED
             state.tractable = FAILED * dt
-            head.growth_barred = STEPS_TO_RING_OUT
+            if friction_swings(M, FAILED * dt):
+                head.growth_barred = STEPS_TO_RING_OUT
     else:
         factor = max(0.3, by_error(scheme, error))
         if not factor < 0.9:
