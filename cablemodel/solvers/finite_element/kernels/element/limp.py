@@ -245,6 +245,9 @@ def choose_law(I, M, node, promised):
         edge.yields = BORNE * may_be_wrong(I, M, edge)
     elif may_fold(I, M) and blows_end(M, edge):
         hang_limp(I, M, edge, promised)
+        # What bends bears a pressure, and goes on bearing it: less would be a blow from nowhere.
+        if edge.flexible == 0.0 and folds(M, edge, t0, t1):
+            edge.bears = promised + abs(t1) - t0
 
 
 @kernel
