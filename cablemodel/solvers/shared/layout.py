@@ -42,7 +42,7 @@ class Header(Record):
     factored = integer("1 while the stored factorisation may be used")
     fresh = integer("1 while that factorisation was made at the present step")
     order = integer("3 or 4: order of the time integrator")
-    growth_barred = integer("steps that may not grow: one after a rejection, more at a floor")
+    growth_barred = integer("steps that may not grow: one after a rejection, more in friction")
     steps = integer("steps taken")
     rejected = integer("steps rejected")
     factorisations = integer("factorisations made")

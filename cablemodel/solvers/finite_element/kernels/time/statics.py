@@ -311,7 +311,7 @@ def relax(I, M, frame, damped, strict):
     damping, landing = state.floor_damping, state.landing_damping
     if at.flow != 0.0:
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
-    state.landing_damping = state.floor_damping
+    state.landing_damping = state.floor_damping  # nothing lands: more would only slow the search
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         if not solve_pseudo_step(I, M, frame, at) or (
