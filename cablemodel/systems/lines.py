@@ -32,6 +32,10 @@ def bends_at(scene: SystemScene, line: SystemLine, end: LineEnd) -> bool:
     return end.clamped is not None and not flexible_at(scene, line, last)
 
 
+ROUNDED = 1e-9
+"""Length by which two places along a line differ that are one [m]."""
+
+
 def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
     """Arc lengths of the nodes of a line's cables, with nodes at all branches."""
     line = scene.lines[name]
@@ -55,7 +59,8 @@ def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
             for end in other.ends
             if end.line == name and end.at is not None
         ]
-        within = [place for place in ends if 0.0 < place < own[-1]]
+        # Lengths add up to a place to rounding: no element is as short as that.
+        within = [p for p in ends if 0.0 < p < own[-1] and np.abs(own - p).min() > ROUNDED]
         nodes[k] = np.unique(np.concatenate([own, within]))
         offset += float(own[-1])
     return nodes

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cablemodel.scene.line import Body, Cable
 from cablemodel.solvers.finite_element.start.line import hinged
 from cablemodel.solvers.shared import layout as at
-from cablemodel.systems.lines import bends_at, cable_of
+from cablemodel.systems.lines import ROUNDED, bends_at, cable_of
 from cablemodel.systems.scene import LineEnd, SystemScene, SystemWinch
 
 FloatArray = NDArray[np.float64]
@@ -323,7 +323,7 @@ class _Builder:
             (other, side)
             for other, line in self.scene.lines.items()
             for side, end in enumerate(line.ends)
-            if end.line == name and end.at is not None and math.isclose(end.at, arc, abs_tol=1e-9)
+            if end.line == name and end.at is not None and abs(end.at - arc) <= ROUNDED
         ]
 
     def _pieces(
@@ -341,7 +341,8 @@ class _Builder:
                 found.append((index, float(left), float(right)))
             offset += float(places[-1])
         low, high = sorted((start, stop))
-        within = [piece for piece in found if piece[1] >= low - 1e-9 and piece[2] <= high + 1e-9]
+        low, high = low - ROUNDED, high + ROUNDED
+        within = [piece for piece in found if piece[1] >= low and piece[2] <= high]
         if backward:
             within = [(index, right, left) for index, left, right in reversed(within)]
         pieces = []

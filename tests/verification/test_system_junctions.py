@@ -89,3 +89,40 @@ def test_a_line_between_two_others_begins_and_ends_on_them() -> None:
         apart = ends - [place.position[0] for place in places]
         assert np.abs(apart).max() < 1e-6
         model.step(1.0)
+
+
+@pytest.mark.parametrize(
+    ("cables", "at"),
+    [
+        ([18.7, 11.6, 17.1], 30.3),  # less than the sum by an ulp
+        ([66.1 - 27.2, 27.2], 66.1 - 27.2),
+        ([27.2, 38.9], 27.2),
+        ([70.0, 50.0], 95.0),  # in the middle of the second one
+        ([0.1, 0.2, 30.0], 0.3),
+    ],
+)
+def test_a_branch_at_a_joint_of_cables_is_as_one_beside_it(cables: list[float], at: float) -> None:
+    """Lengths add up to the place to rounding only."""
+    length = sum(cables)
+
+    def tensions(at: float) -> np.ndarray:
+        rope = {"diameter": 0.02, "mass": 1.138, "submerged_weight": 8.0, "axial_stiffness": 2e6}
+        scene = {
+            "cable_types": {"rope": rope},
+            "vessels": {"ship": {"points": {"eye": [0, 0, 0]}, "position": [0.4 * length, 14, -5]}},
+            "lines": {
+                "main": {
+                    "from": {"anchor": [0, 0, -10]}, "to": {"anchor": [0.85 * length, 0, -20]},
+                    "items": [{"cable": {"type": "rope", "length": one}} for one in cables],
+                },
+                "side": {
+                    "from": "ship.eye", "to": {"line": "main", "at": at},
+                    "items": [{"cable": {"type": "rope", "length": 0.7 * length}}],
+                },
+            },
+        }  # fmt: skip
+        lines = cm.SystemModel(scene).lines
+        return np.array([lines["main"].start_tension, lines["main"].end_tension,
+                         lines["side"].start_tension])  # fmt: skip
+
+    assert tensions(at) == pytest.approx(tensions(at + 0.01), rel=0.02)
