@@ -494,7 +494,8 @@ def take(I, M, plan):
         if head.floor_state == FLOOR_TOUCHED:
             follow_iterations(I, M, dt, iterations / (STAGES[scheme] - 1))
         choose_order(I, M, scheme, iterations, plan.to_output != 0)
-    if head.cut_count != 0:
+    # An output at the time of a cut is of the state before it: its wave has not run yet.
+    if head.cut_count != 0 and state.time < plan.end:
         return make_cuts(I, M)
     return OK
 
