@@ -681,13 +681,18 @@ def _systems() -> list[str]:
         lines += [_cells(name, row, row.python, row.fmu) for row in rows]
     lines += ["", "|input of a|quantity|unit|Python|FMU|ROS 2|", "|---|---|---|---|---|---|"]
     inputs = (
-        ("vessel", "vessels", VESSEL_INPUTS), ("body", "forces", BODY_INPUTS),
-        ("foil", "deflections", (FOIL_INPUT,)), ("winch", "rates", (WINCH_INPUT,)),
+        ("vessel", "vessels[NAME].{}", VESSEL_INPUTS), ("body", "forces[NAME], {}", BODY_INPUTS),
+        ("foil", "deflections[NAME]", (FOIL_INPUT,)), ("winch", "rates[NAME]", (WINCH_INPUT,)),
         ("cut", "cuts", (CUT_INPUT,)),
     )  # fmt: skip
-    for part, argument, given in inputs:
-        lines += [_cells(part, row, f"{argument}, {row.python}", row.fmu) for row in given]
+    for part, python, given in inputs:
+        lines += [_cells(part, row, python.format(_HALVES.get(row.python, row.python)), row.fmu)
+                  for row in given]  # fmt: skip
     return [*lines, ""]
+
+
+_HALVES = {"force": "the first 3 of 6", "torque": "the last 3 of 6"}
+"""Where in an argument of a step they are."""
 
 
 def _cells(part: str, row: Variable | Input, python: str, fmu: str) -> str:

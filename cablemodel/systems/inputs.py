@@ -107,7 +107,7 @@ class InputNames:
                     row[at.FrameInput.FIELDS[key].span] = table.vector(f"{name}.{key}", value, 3)
         forces = np.zeros((len(scene.bodies), 6))
         for number, name, value in table.rows("forces", given.get("forces"), scene.bodies):
-            forces[number] = table.vector(f"forces.{name}", value, 6)
+            forces[number] = table.vector(f"forces.{name}", value, 6, ", a force and a torque")
         angles = angles.copy()
         for number, name, value in table.rows("deflections", given.get("deflections"), self.foils):
             angles[number] = table.vector(f"deflections.{name}", [value], 1)[0]
@@ -184,14 +184,14 @@ class _Table:
             found.append((known[name], name, value))
         return found
 
-    def vector(self, name: str, value: ArrayLike, size: int) -> FloatArray:
-        """Finite numbers."""
+    def vector(self, name: str, value: ArrayLike, size: int, what: str = "") -> FloatArray:
+        """Finite numbers; what they are, in words."""
         try:
             vector = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError):
             vector = np.empty(0)
         if vector.shape != (size,) or not np.isfinite(vector).all():
-            raise self.wrong(name, value, f"{size} finite numbers")
+            raise self.wrong(name, value, f"{size} finite numbers{what}")
         return vector
 
 
