@@ -82,6 +82,7 @@ def scene_warnings(scene: Scene) -> list[str]:
     found += _type_warnings(scene, items, "the line or its drum")
     found += _item_warnings(scene, items)
     found += _end_of_the_drum("payout", scene.payout.rate, scene.payout.drum, scene.run.duration)
+    found += _straight_on_the_floor(scene)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
@@ -89,6 +90,21 @@ def scene_warnings(scene: Scene) -> list[str]:
             + _stiffness_asked(kind)
         )
     return found
+
+
+def _straight_on_the_floor(scene: Scene) -> list[str]:
+    """Of a lay whose slack has to fold what lies straight at the start."""
+    from cablemodel.solvers.finite_element.start.laid_loads import lays_slack
+    from cablemodel.solvers.finite_element.start.scales import is_flexible
+
+    laid = scene.environment.floor is not None and scene.end.kind == "free"
+    bends = not is_flexible(scene, scene.cables[-1])
+    if not (laid and bends and scene.initial.kind == "static" and lays_slack(scene)):
+        return []
+    return [
+        "the lay begins with slack, and what lies at the start is straight: it is pushed, and "
+        "tensions are not yet those of the lay, until it has folded"
+    ]
 
 
 def system_warnings(scene: SystemScene) -> list[str]:

@@ -965,3 +965,30 @@ def test_checks_see_lines_of_a_system_that_are_too_short_or_in_the_air(tmp_path:
     path.write_text(json.dumps(scene))
     words = invoke("check", path).output
     assert "warning:" not in words
+
+
+@pytest.mark.parametrize(
+    ("rate", "bending", "start", "told"),
+    [
+        (1.05, 150.0, "static", True),
+        (1.0, 150.0, "static", False),
+        (1.05, 0.0, "static", False),
+        (1.05, 150.0, {"straight": [-1, 0, -1]}, False),
+    ],
+)
+def test_slack_that_has_to_fold_what_lies_straight_is_told(
+    rate: float, bending: float, start: Any, told: bool
+) -> None:
+    """Top tension falls by half within the first second of such a lay, as what lies is pushed."""
+    kind = {"diameter": 0.035, "mass": 3.2, "axial_stiffness": 5e7, "bending_stiffness": bending}
+    scene = {
+        "environment": {"floor": {"z": -50.0, "friction": 0.5}},
+        "cable_types": {"K": kind},
+        "line": [{"cable": {"type": "K", "length": 253.4}}],
+        "vessel": {"velocity": [3.0, 0.0, 0.0]},
+        "payout": {"rate": 3.0 * rate, "drum": [{"cable": {"type": "K", "length": 300.0}}]},
+        "initial": start,
+        "run": {"duration": 60.0},
+    }
+    words = "until it has folded"
+    assert any(words in each for each in scene_warnings(cm.load_scene(scene))) == told
