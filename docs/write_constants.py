@@ -56,6 +56,7 @@ WORDS = {
         "ROW_PLACES_BEFORE ROW_VELOCITIES_BEFORE ROW_ACCELERATIONS_BEFORE ROW_TENSIONS_BEFORE "
         "ROW_RATES_BEFORE"
     ),
+    "solvers/finite_element/kernels/time/given_shape.py": "ROW_GIVEN ROW_EVEN",
     "solvers/finite_element/kernels/time/rings.py": (
         "ROW_DISPLACEMENTS ROW_MASSES ROW_BEYOND ROW_CLOSED"
     ),

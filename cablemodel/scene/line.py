@@ -289,7 +289,8 @@ class Initial(WordOrMapping):
     )
     points: tuple[Position, ...] | None = Field(
         default=None,
-        description="points of the shape from the vessel to the end, the first one the tow point",
+        description="points of the shape from the vessel to the end, the first one the tow point; "
+        "a smooth curve through them, unstretched where it may be as long as the cable",
     )
     velocities: Literal["rest", "steady"] | tuple[Velocity, ...] | None = Field(
         default=None,

@@ -17,11 +17,11 @@ from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
     "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
-    "consistency", "cuts", "feet", "firm_friction", "floor_memory", "floor_outputs",
-    "floor_state", "flow", "frames", "free_bodies", "hulls", "inertia", "interface",
+    "consistency", "cuts", "energies", "feet", "firm_friction", "floor_memory", "floor_outputs",
+    "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls", "inertia", "interface",
     "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
-    "rings", "rotation", "scales", "shear", "slack", "sleep", "statics", "summary", "swinging",
-    "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "rings", "rotation", "scales", "shear", "slack", "sleep", "stabilisation", "statics",
+    "summary", "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")
@@ -63,6 +63,7 @@ RARE_ENTRIES = (
     "start_paying_out",
     "start_flow",
     "stop_flow",
+    "stretch_evenly",
     "summary",
     "tension_from_stretch",
     "tension_ranges",

@@ -69,6 +69,7 @@ def test_every_field_says_what_it_is(record):
         (at.SolvedRows,),
         (at.AlongRows,),
         (at.ConsistentRows,),
+        (at.GivenShapeRows,),
         (at.ResponseRows,),
     ],
 )

@@ -291,14 +291,15 @@ def test_points_take_the_velocity_of_the_steady_lay() -> None:
 
 
 def test_points_take_velocities() -> None:
-    """Of each point, between them linear along the line."""
+    """Of each point, and smoothly between them along the line."""
     given = [[2, 0, 0], [1, 0, 0.5], [0, 0, 0]]
     model = cm.CableModel(cm.load_scene(from_points(velocities=given)))
     chords = np.array([0.0, math.hypot(2000.0, 500.0), 285.0]).cumsum()
-    near, far = model.sample([0.25 * model.line_length, model.line_length]).velocity
+    places = [0.25 * chords[-1], chords[1], model.line_length]
+    near, middle, far = model.sample(places).velocity
     share = 0.25 * chords[-1] / chords[1]
-    assert near[0] == pytest.approx(2.0 - share, abs=0.02)
-    assert near[2] == pytest.approx(0.5 * share, abs=0.02)
+    assert near == pytest.approx([2.0 - share, 0.0, 0.5 * share], abs=0.05)
+    assert middle == pytest.approx(given[1], abs=0.02)
     assert np.abs(far).max() < 1e-9
 
 

@@ -27,6 +27,7 @@ from cablemodel.solvers.finite_element.kernels.outputs import (
 from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
 from cablemodel.solvers.finite_element.kernels.time import (
     begin,
+    given_shape,
     promote,
     statics,
     stepping,
@@ -57,9 +58,16 @@ def equilibrium(I, M, frame):
 
 
 @entry_point(int64(INTEGERS, REALS))
+def stretch_evenly(I, M):
+    """Stretch all cable of a shape that is given alike: given_shape.stretch_evenly."""
+    given_shape.stretch_evenly(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
 def tension_from_stretch(I, M):
     """Set the tensions that belong to the stretch of the block's positions."""
-    statics.stretch_to_tension(I, M)
+    given_shape.stretch_to_tension(I, M)
     return 0
 
 
@@ -432,6 +440,7 @@ def to_three_dimensions(I, M):
 ENTRY_POINTS = {
     "step": step,
     "equilibrium": equilibrium,
+    "stretch_evenly": stretch_evenly,
     "tension_from_stretch": tension_from_stretch,
     "stabilise": stabilise,
     "choose_bending": choose_bending,

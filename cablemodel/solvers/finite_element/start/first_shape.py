@@ -24,7 +24,7 @@ from cablemodel.solvers.finite_element.start.scales import (
     tension_scale,
 )
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.curves import crossing, hermite
+from cablemodel.solvers.shared.curves import crossing, hermite, way_along
 from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ SHAPE_WIDE = 3.0
 """Of a layer: half the length of cable in which a line that hangs and floats turns back."""
 TIGHT = 0.3
 """Of a layer: a bight whose catenary would have a smaller radius is a loop, as wide as that."""
+CURVE_PARTS = 16
+"""Places between two points of a shape that is given."""
 LONG = 30.0
 """Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
 
@@ -50,7 +52,8 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
         direction = np.asarray(scene.initial.direction, dtype=float)
         return np.array([start, start + length * direction / np.linalg.norm(direction)])
     if scene.initial.kind == "points":
-        return np.asarray(scene.initial.points, dtype=float)
+        points = np.asarray(scene.initial.points, dtype=float)
+        return smoothly(points, points)
     down = np.array([0.0, 0.0, -1.0 if sinks(scene) else 1.0])
     if scene.end.kind == "anchor":
         bow = _load(scene, start) if swept else down
@@ -325,6 +328,61 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray)
         width=1e-15 * length,
     )
     return curve(sag)
+
+
+def smoothly(points: FloatArray, values: FloatArray) -> FloatArray:
+    """Values (n, k) at points (n, 3), at places (m, k) so close that chords are their way.
+
+    By cubics between points that differ, with slopes from each one's neighbours. Those of parabolas
+    would leave a long chord next to a short one by far.
+    """
+    others = np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))
+    points, values = points[others], values[others]
+    if len(points) < 3:
+        return values
+    arcs = way_along(points)
+    places = np.interp(np.arange(CURVE_PARTS * (len(points) - 1) + 1) / CURVE_PARTS,
+                       np.arange(len(points)), arcs)  # fmt: skip
+    # Linear in the values, so that turned points give the turned curve (PCHIP does not).
+    before = np.concatenate([values[:1], values[:-1]])
+    after = np.concatenate([values[1:], values[-1:]])
+    ways = np.append(arcs[1:], arcs[-1]) - np.insert(arcs[:-1], 0, 0.0)
+    curve, _ = hermite(places, arcs, values.T, ((after - before) / ways[:, None]).T)
+    return curve.T
+
+
+def along_curve(scene: Scene, nodes: list[FloatArray], curve: FloatArray) -> list[FloatArray]:
+    """Cables' nodes (arc lengths from 0 to each one's length [m]) with elements halved whose cubics
+    leave a curve (n, 3) by more than positions may be wrong by."""
+    arcs = way_along(curve)
+    arcs *= scene.line_length / arcs[-1]
+    slopes = np.gradient(curve, arcs, axis=0)
+    allowed = scene.solver.tolerance * scene.line_length
+
+    def is_too_long(start: float, a: float, b: float) -> bool:
+        ends = np.array([start + a, start + b])
+        inner = ends[0] + (b - a) * np.array([0.25, 0.5, 0.75])
+        places, _ = hermite(np.concatenate([ends, inner]), arcs, curve.T, slopes.T)
+        way = np.array([[np.interp(s, arcs, part) for s in ends] for part in slopes.T])
+        cubic, _ = hermite(inner, ends, places[:, :2], way)
+        return float(np.linalg.norm(cubic - places[:, 2:], axis=0).max()) > allowed
+
+    return halved_where(scene.cables, nodes, is_too_long)
+
+
+def lengths_of_shape(scene: Scene, bodies: float) -> tuple[float, float]:
+    """Least and largest length of cable [m] that may go through the points of a scene, with bodies
+    of a total length [m]: of the chords, and of arcs of circles that turn as the chords do."""
+    ways = np.diff(np.asarray(scene.initial.points, dtype=float), axis=0)
+    chords = np.linalg.norm(ways, axis=1)
+    ways, chords = ways[chords > 0.0], chords[chords > 0.0]
+    units = ways / chords[:, None]
+    turns = np.arccos(np.clip((units[1:] * units[:-1]).sum(axis=1), -1.0, 1.0))
+    if not turns.size:
+        return float(chords.sum()) - bodies, float(chords.sum()) - bodies
+    half = 0.25 * (np.append(turns, turns[-1]) + np.insert(turns, 0, turns[0]))
+    arcs = chords / np.sinc(half / np.pi)
+    return float(chords.sum()) - bodies, float(arcs.sum()) - bodies
 
 
 def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float) -> None:

@@ -21,11 +21,12 @@ from cablemodel.solvers.finite_element.start import (
     sea_floor,
     search,
 )
+from cablemodel.solvers.finite_element.start.first_shape import smoothly
 from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.scales import sinks
 from cablemodel.solvers.finite_element.start.strategies import Strategy
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.curves import way_along
+from cablemodel.solvers.shared.curves import hermite, way_along
 from cablemodel.solvers.shared.layout import Header, Scalars
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
     stand_still(block, scene)
     frame = steady_velocity(block, scene)
     if scene.initial.kind != "static":
+        entry.stretch_evenly(ints, reals)
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
     else:
@@ -230,15 +232,16 @@ def _start_flowing(block: Block, scene: Scene) -> None:
 def _give_velocities(block: Block, scene: Scene, velocities: FloatArray) -> None:
     """Material velocities at the nodes from those at the points of the scene, (n, 3) [m/s]."""
     points = np.asarray(scene.initial.points, dtype=np.float64)
-    places = way_along(points)
+    way, flow = way_along(smoothly(points, points)), smoothly(points, velocities)
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     edges = block.array(Header.edges, nodes, at.EDGE_WORDS)
     arcs = edges[:, at.Edge.start] + edges[:, at.Edge.length]
     arcs[0] = 0.0
-    where = arcs * places[-1] / arcs[-1]
-    own = np.column_stack([np.interp(where, places, velocities[:, i]) for i in range(3)])
+    stretch = way[-1] / arcs[-1]
+    own, change = hermite(stretch * arcs, way, flow.T, np.gradient(flow, way, axis=0).T)
     v = block.array(Header.velocity, nodes, 2 * dimension)
-    v[1:, :dimension] = [local(block, velocity, point=False) for velocity in own[1:]]
+    v[1:, :dimension] = [local(block, velocity, point=False) for velocity in own.T[1:]]
+    v[:, dimension:] = [stretch * local(block, rate, point=False) for rate in change.T]
 
 
 def count_from_zero(block: Block) -> None:

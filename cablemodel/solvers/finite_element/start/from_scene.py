@@ -38,9 +38,11 @@ from cablemodel.solvers.finite_element.start import (
     waves,
 )
 from cablemodel.solvers.finite_element.start.first_shape import (
+    along_curve,
     bight,
     first_points,
     graded,
+    lengths_of_shape,
     place_nodes,
 )
 from cablemodel.solvers.finite_element.start.first_state import (
@@ -293,13 +295,16 @@ def _first_guess(
             scene, points, drawn=strategy.swept, upright=strategy.upright
         )
     points = guess.points
-    sea_floor.check(scene, points)
+    given = scene.initial.points
+    sea_floor.check(scene, points if given is None else np.asarray(given, dtype=np.float64))
     nodes = line_nodes(spans_of(scene, scale), scene.solver.tolerance, start_conditions(scene))
     if hangs is not None:
         nodes = graded(scene, nodes, hangs.bends, hangs.layers)
     if hung is not None:
         nodes = held_line.graded(scene, nodes, hung)
     nodes = laid_shape.refine_guess(scene, nodes, guess)
+    if given is not None:
+        nodes = along_curve(scene, nodes, points)
     nodes = waves.refine(scene, nodes, points)
     if strategy.halved:
         nodes = halved(scene, nodes)
@@ -400,6 +405,9 @@ def _build_on(
     tables.fill_constraints(block, scene, line)
     entry.arrange(block.ints, block.reals, lengths)
     place_nodes(block, line, guess, scene.line_length)
+    if scene.initial.kind == "points":
+        state = block.scalars
+        state.shape_chords, state.shape_arcs = lengths_of_shape(scene, line.passed[-1])
     sea_floor.fill(block, scene)
     if scene.environment.floor is not None:
         block.scalars.laid = laid_loads.laid(scene)
@@ -456,6 +464,8 @@ def _choose_frame(block: Block, scene: Scene, points: FloatArray, planar: bool |
     """The block's coordinates: in the scene's vertical plane or in space, from the tow point."""
     position = scene.motion().evaluate(0.0)[0]
     directions = [p - position for p in points] + _clamps(scene)
+    if isinstance(scene.initial.velocities, tuple):
+        directions += [np.asarray(velocity, dtype=float) for velocity in scene.initial.velocities]
     plane = None if planar is False else vertical_plane(scene, directions)
     if plane is None and laid_start.is_lay(scene):
         plane = vertical_plane(scene, directions, start=True)

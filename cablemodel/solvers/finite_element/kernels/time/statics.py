@@ -391,29 +391,3 @@ def add_flow(I, M, flow, q, v, a):
             v[n] = (1.0 - laid) * (v[n] + flow * q[n + dimension])
             v[n + dimension] += (1.0 - laid) * flow * second
             a[n] = (1.0 - laid) * flow * flow * second
-
-
-@kernel
-def stretch_to_tension(I, M):
-    """Tensions that belong to the stretch of the positions in the block (at rest)."""
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    nodes = head.nodes
-    q = M[head.position : head.position + count]
-    v = M[head.velocity : head.velocity + count]
-    a = M[head.acceleration : head.acceleration + count]
-    tension = M[head.tension : head.tension + 2 * nodes]
-    forces = M[head.residual : head.residual + count]
-    constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
-    set_time(I, M, state.time)
-    for _iteration in range(30):
-        residual(I, M, q, v, a, tension, forces, constraint)
-        jacobian(I, M, q, v, a, tension, 1.0, 1.0)
-        for node in range(1, nodes):
-            s = head.compliance + 3 * node
-            r0 = constraint[2 * node]
-            r1 = constraint[2 * node + 1]
-            tension[2 * node] += M[s] * r0 + M[s + 1] * r1
-            tension[2 * node + 1] += M[s + 1] * r0 + M[s + 2] * r1
-    head.factored = 0
