@@ -686,12 +686,12 @@ def _systems() -> list[str]:
         ("cut", "cuts", (CUT_INPUT,)),
     )  # fmt: skip
     for part, python, given in inputs:
-        lines += [_cells(part, row, python.format(_HALVES.get(row.python, row.python)), row.fmu)
+        lines += [_cells(part, row, python.format(_OF_SIX.get(row.python, row.python)), row.fmu)
                   for row in given]  # fmt: skip
     return [*lines, ""]
 
 
-_HALVES = {"force": "the first 3 of 6", "torque": "the last 3 of 6"}
+_OF_SIX = {"force": "the first 3 of 6", "torque": "the last 3 of 6"}
 """Where in an argument of a step they are."""
 
 

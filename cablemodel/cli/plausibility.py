@@ -82,7 +82,6 @@ def scene_warnings(scene: Scene) -> list[str]:
     found += _type_warnings(scene, items, "the line or its drum")
     found += _item_warnings(scene, items)
     found += _end_of_the_drum("payout", scene.payout.rate, scene.payout.drum, scene.run.duration)
-    found += _straight_on_the_floor(scene)
     for name, strain in _stretched_by_weight(scene).items():
         kind = scene.cable_types[name]
         found.append(
@@ -90,21 +89,6 @@ def scene_warnings(scene: Scene) -> list[str]:
             + _stiffness_asked(kind)
         )
     return found
-
-
-def _straight_on_the_floor(scene: Scene) -> list[str]:
-    """Of a lay whose slack has to fold what lies straight at the start."""
-    from cablemodel.solvers.finite_element.start.laid_loads import lays_slack
-    from cablemodel.solvers.finite_element.start.scales import is_flexible
-
-    laid = scene.environment.floor is not None and scene.end.kind == "free"
-    bends = not is_flexible(scene, scene.cables[-1])
-    if not (laid and bends and scene.initial.kind == "static" and lays_slack(scene)):
-        return []
-    return [
-        "the lay begins with slack, and what lies at the start is straight: it is pushed, and "
-        "tensions are not yet those of the lay, until it has folded"
-    ]
 
 
 def system_warnings(scene: SystemScene) -> list[str]:
@@ -450,10 +434,27 @@ def start_warnings(scene: Scene, model: CableModel, state: CableState) -> list[s
         found += _stretched_at_start(scene, name, model.tension_max)
     found += _in_water_above(scene, "the cable", float(state.position[:, 2].max()))
     found += _waves_of_a_winch(scene, model.tension_max)
+    if model.floor_length > 0.0:
+        found += _straight_on_the_floor(scene)
     slack = 10.0 * scene.solver.tolerance * max(abs(model.tension_max), abs(model.tension_min))
     if model.tension_min < -max(slack, _NO_FORCE):
         found.append(f"the cable is compressed at the start: {model.tension_min:.3g} N")
     return found
+
+
+def _straight_on_the_floor(scene: Scene) -> list[str]:
+    """Of a lay whose slack has to fold what lies straight at the start."""
+    from cablemodel.solvers.finite_element.start.laid_loads import lays_slack
+    from cablemodel.solvers.finite_element.start.scales import is_flexible
+
+    bends = not is_flexible(scene, scene.cables[-1])
+    starts_alone = scene.initial.kind == "static" and scene.end.kind == "free"
+    if not (starts_alone and bends and lays_slack(scene)):
+        return []
+    return [
+        "the lay begins with slack, and what lies at the start is straight: it is pushed, and "
+        "tensions are not yet those of the lay, until it has folded"
+    ]
 
 
 def _stretched_at_start(scene: CableScene, name: str, tension: float, line: str = "") -> list[str]:

@@ -8,7 +8,6 @@ import pytest
 
 import cablemodel as cm
 
-GRAVITY = 9.80665
 WEIGHT, STIFFNESS = 6.8, 2e7  # N/m, N
 
 
