@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 27
+VERSION = 26
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -207,8 +207,6 @@ class Scalars(Record, first=HEADER_WORDS):
     first_step = real("of a motion that starts", "s")
     last_step = real("length of the last accepted step", "s")
 
-    shape_chords = real("length of the shape that a scene gives, by chords; 0: it gives none", "m")
-    shape_arcs = real("the same by arcs through its points", "m")
     period = real("sqrt(L/g)", "s")
     axial = real("stiffness of the whole line over its mass", "1/s2")
     undamped = real("1: drag does not damp the line's motion")

@@ -57,10 +57,10 @@ def equilibrium(I, M, frame):
     return statics.find_equilibrium(I, M, frame)
 
 
-@entry_point(int64(INTEGERS, REALS))
-def stretch_evenly(I, M):
+@entry_point(int64(INTEGERS, REALS, float64))
+def stretch_evenly(I, M, wanted):
     """Stretch all cable of a shape that is given alike: given_shape.stretch_evenly."""
-    given_shape.stretch_evenly(I, M)
+    given_shape.stretch_evenly(I, M, wanted)
     return 0
 
 

@@ -344,10 +344,9 @@ def smoothly(points: FloatArray, values: FloatArray) -> FloatArray:
     places = np.interp(np.arange(CURVE_PARTS * (len(points) - 1) + 1) / CURVE_PARTS,
                        np.arange(len(points)), arcs)  # fmt: skip
     # Linear in the values, so that turned points give the turned curve (PCHIP does not).
-    before = np.concatenate([values[:1], values[:-1]])
-    after = np.concatenate([values[1:], values[-1:]])
-    ways = np.append(arcs[1:], arcs[-1]) - np.insert(arcs[:-1], 0, 0.0)
-    curve, _ = hermite(places, arcs, values.T, ((after - before) / ways[:, None]).T)
+    beside, there = np.pad(values, ((1, 1), (0, 0)), "edge"), np.pad(arcs, 1, "edge")
+    slopes = (beside[2:] - beside[:-2]) / (there[2:] - there[:-2])[:, None]
+    curve, _ = hermite(places, arcs, values.T, slopes.T)
     return curve.T
 
 
@@ -370,19 +369,19 @@ def along_curve(scene: Scene, nodes: list[FloatArray], curve: FloatArray) -> lis
     return halved_where(scene.cables, nodes, is_too_long)
 
 
-def lengths_of_shape(scene: Scene, bodies: float) -> tuple[float, float]:
-    """Least and largest length of cable [m] that may go through the points of a scene, with bodies
-    of a total length [m]: of the chords, and of arcs of circles that turn as the chords do."""
+def stretch_of_points(scene: Scene) -> float:
+    """By what the points of a scene stretch its cable: 1 where that is as long as their chords, as
+    arcs of circles that turn as the chords do, or between them."""
     ways = np.diff(np.asarray(scene.initial.points, dtype=float), axis=0)
     chords = np.linalg.norm(ways, axis=1)
     ways, chords = ways[chords > 0.0], chords[chords > 0.0]
     units = ways / chords[:, None]
     turns = np.arccos(np.clip((units[1:] * units[:-1]).sum(axis=1), -1.0, 1.0))
-    if not turns.size:
-        return float(chords.sum()) - bodies, float(chords.sum()) - bodies
-    half = 0.25 * (np.append(turns, turns[-1]) + np.insert(turns, 0, turns[0]))
-    arcs = chords / np.sinc(half / np.pi)
-    return float(chords.sum()) - bodies, float(arcs.sum()) - bodies
+    turns = np.pad(turns, 1, "edge") if turns.size else np.zeros(2)
+    arcs = chords / np.sinc(0.25 * (turns[1:] + turns[:-1]) / np.pi)
+    bodies = bodies_length(scene)
+    least, most = (float(way.sum() - bodies) / scene.line_length for way in (chords, arcs))
+    return min(max(1.0, least), most)
 
 
 def place_nodes(block: Block, line: Line, guess: laid_shape.Guess, length: float) -> None:

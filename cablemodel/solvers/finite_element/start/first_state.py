@@ -21,7 +21,7 @@ from cablemodel.solvers.finite_element.start import (
     sea_floor,
     search,
 )
-from cablemodel.solvers.finite_element.start.first_shape import smoothly
+from cablemodel.solvers.finite_element.start.first_shape import smoothly, stretch_of_points
 from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.scales import sinks
 from cablemodel.solvers.finite_element.start.strategies import Strategy
@@ -55,7 +55,8 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
     stand_still(block, scene)
     frame = steady_velocity(block, scene)
     if scene.initial.kind != "static":
-        entry.stretch_evenly(ints, reals)
+        if scene.initial.points is not None:
+            entry.stretch_evenly(ints, reals, stretch_of_points(scene))
         _start_flowing(block, scene)
         entry.tension_from_stretch(ints, reals)
     else:

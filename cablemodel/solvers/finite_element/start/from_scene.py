@@ -42,7 +42,6 @@ from cablemodel.solvers.finite_element.start.first_shape import (
     bight,
     first_points,
     graded,
-    lengths_of_shape,
     place_nodes,
 )
 from cablemodel.solvers.finite_element.start.first_state import (
@@ -405,9 +404,6 @@ def _build_on(
     tables.fill_constraints(block, scene, line)
     entry.arrange(block.ints, block.reals, lengths)
     place_nodes(block, line, guess, scene.line_length)
-    if scene.initial.kind == "points":
-        state = block.scalars
-        state.shape_chords, state.shape_arcs = lengths_of_shape(scene, line.passed[-1])
     sea_floor.fill(block, scene)
     if scene.environment.floor is not None:
         block.scalars.laid = laid_loads.laid(scene)

@@ -3,7 +3,7 @@
 A curve through points is longer than their chords, and no longer than arcs through them. Cable
 that fits between is unstretched; a longer curve stretches all of it alike. But elements whose nodes
 lie along it each have a length of their own: cubics cut its bends. In a stiff cable that would be
-tensions without bound, which tear the shape apart.
+tensions without bound, which tear the shape apart. (Which stretch: start/first_shape.py.)
 """
 
 import math
@@ -67,19 +67,15 @@ def stretch_by(I, M, stretch, gamma_dt):
 
 
 @kernel
-def stretch_evenly(I, M):
-    """Move the nodes of a shape that is given to where all of the cable is stretched alike.
+def stretch_evenly(I, M, wanted):
+    """Move the nodes of a shape that is given to where all of the cable is stretched by `wanted`.
 
     By as little as their mass allows, in a time in which waves along the line pass it and nothing
     else has moved. A shape that no such motion leads to stays as it is given.
     """
     head = header(I)
     state = scalars(M)
-    if state.shape_arcs == 0.0:
-        return
     set_time(I, M, state.time)
-    wanted = max(1.0, state.shape_chords / state.length)
-    wanted = min(wanted, state.shape_arcs / state.length)
     given = given_stretch(I, M)
     gamma_dt = max(AXIAL_SLOW / math.sqrt(state.axial), state.first_step)
     count = 2 * head.dimension * head.nodes
