@@ -145,23 +145,29 @@ def test_example_3_without_folds_is_that_of_the_finite_elements():
         rows.reshape(len(centres), len(around), -1).mean(axis=1)
         for rows in compared(scene, times, tolerance=1e-4)
     )
-    assert here[1:, 0] == pytest.approx(there[1:, 0], rel=1e-3)
+    assert here[2:, 0] == pytest.approx(there[2:, 0], rel=1e-3)
     promise = 10.0 * 1e-4 * there[:, 0].max()
     assert here[:, 1] == pytest.approx(there[:, 1], rel=5e-3, abs=promise)
     assert here[:, 2] == pytest.approx(there[:, 2], abs=0.2)
 
 
 def test_example_3_as_the_first_cable_has_landed():
-    """The same tension. Such a mean of one run has a standard deviation of 0.3 N, of 0.02 N later:
-    which of the elements' blows it holds changes with anything. Forty-nine runs' has 0.07 N."""
+    """The same tension. Such a mean of one run has a standard deviation of 0.3 N at 45 s, of 0.05 N
+    at 50 s (once 0.2 N off), of 0.01 N later: which of the elements' blows it holds changes with
+    anything. Forty-nine runs' has 0.07 N."""
     scene = without_tangential_drag(cm.load_scene(SCENES / "example_3_touchdown.yaml"))
-    times = (45.0 + np.linspace(-2.0, 2.0, 41)).tolist()
-    here = compared(scene, times, tolerance=1e-4)[0][:, 0].mean()
+    centres, around = (45.0, 50.0), np.linspace(-2.0, 2.0, 41)
+    times = [float(centre + shift) for centre in centres for shift in around]
+
+    def means(of: np.ndarray) -> np.ndarray:
+        return of[:, 0].reshape(2, -1).mean(axis=1)
+
+    here = means(compared(scene, times, tolerance=1e-4)[0])
     runs = [
-        compared(scene, times, tolerance=tolerance)[1][:, 0].mean()
+        means(compared(scene, times, tolerance=tolerance)[1])
         for tolerance in 1e-4 * np.linspace(0.9, 1.1, 49)
     ]
-    assert here == pytest.approx(np.mean(runs), rel=1e-3)
+    assert here == pytest.approx(np.mean(runs, axis=0), rel=1e-3)
 
 
 def test_example_3_is_that_of_the_finite_elements():

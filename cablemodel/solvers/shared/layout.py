@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 26
+VERSION = 27
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -268,7 +268,7 @@ class Scalars(Record, first=HEADER_WORDS):
 
     # The elements' third strain mode (stabilisation.py).
     third_mode = real("its least stiffness", "N")
-    stiffened = real("1: some element has more of it")
+    stiffened = real("1: some element has more of it, or rests stretched")
     rang = real("1 while something rings, fading within sqrt(L/g); 0: that is forgotten")
 
     # What makes a line ring along itself (rings.py).
@@ -302,6 +302,8 @@ class Edge(Record):
     tension_high = real("above which it is", "N")
     stabilisation = real("stiffness of the third strain mode (stabilisation.py)", "N")
     third_rest = real("what that takes off the mode's tension: its strain at rest", "N")
+    stretch_rest = real("by what it is longer without tension (stretch.py)", "m")
+    moment_rest = real("integral of that strain times P1", "m")
     flexible = real("1: cable without bending stiffness; LAID_SLACK: of a lay in a system")
     bears = real("pressure that it bears before it bends aside within the element", "N")
     yields = real("stiffness beyond; 0: it never does", "N")

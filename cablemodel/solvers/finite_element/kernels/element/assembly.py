@@ -10,6 +10,7 @@ from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
     strain_missed,
     third_tension,
 )
+from cablemodel.solvers.finite_element.kernels.element.stretch import take_rests
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     LINES_D,
     LINES_DE,
@@ -24,7 +25,7 @@ from cablemodel.solvers.finite_element.kernels.water.waves import (
     wave_loads,
     wet_rows,
 )
-from cablemodel.solvers.shared.access import edge_of, header
+from cablemodel.solvers.shared.access import edge_of, header, scalars
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import GAUSS_WORDS
 
@@ -123,6 +124,8 @@ def residual_kernel(
                 view(out, size * node, size),
                 view(ends, size * node, size),
             )
+        if scalars(M).stiffened != 0.0:
+            take_rests(I, M, out_constraint)
 
     return residual
 

@@ -11,6 +11,7 @@ from cablemodel.solvers.finite_element.kernels.element.strain import (
     moments_aside,
     strain_in,
 )
+from cablemodel.solvers.finite_element.kernels.element.stretch import take_rests
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     LOAD,
     MASS,
@@ -30,7 +31,7 @@ from cablemodel.solvers.finite_element.kernels.line.products import (
     sums_of_two,
     two_products,
 )
-from cablemodel.solvers.shared.access import edge_of, header
+from cablemodel.solvers.shared.access import edge_of, header, scalars
 from cablemodel.solvers.shared.compile import inlined, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
     ELEMENT_WORDS,
@@ -122,6 +123,8 @@ def missed_kernel(dimension: int, geometry: Any, stretched: int) -> Any:
             r0, r1 = strain_missed(M, W, stretched, edge, tension[2 * node], tension[2 * node + 1])
             out[2 * node] = h * r0
             out[2 * node + 1] = h * r1
+        if scalars(M).stiffened != 0.0:
+            take_rests(I, M, out)
 
     return constraints
 

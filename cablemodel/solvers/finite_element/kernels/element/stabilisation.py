@@ -18,16 +18,8 @@ the other.
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness, line_length
-from cablemodel.solvers.finite_element.kernels.element.tables import (
-    D0,
-    D1,
-    D2,
-    D3,
-    ELEMENT_RIGID,
-    STABILISATION,
-    WEIGHT,
-    WEIGHT_P2,
-)
+from cablemodel.solvers.finite_element.kernels.element.stretch import strains, third_strain
+from cablemodel.solvers.finite_element.kernels.element.tables import ELEMENT_RIGID, STABILISATION
 from cablemodel.solvers.finite_element.kernels.mesh.payout import set_top_length
 from cablemodel.solvers.shared.access import (
     body_of,
@@ -42,45 +34,17 @@ from cablemodel.solvers.shared.compile import inlined, kernel
 TWICE = 2.0  # what is wanted over what is there: no change for less
 HALF = 0.5  # what is left of a ring's memory as its stiffness is halved
 STRETCH_STRAIGHT = 1e-9  # strain that bending makes below which it makes none
+SLOWLY = 0.1  # of that share: what pieces of split elements forget of how they are stretched
 FORGOTTEN = 1e-14  # strain at rest below which there is none
-
-
-@inlined
-def strains(I, M, node, p0, p1):
-    """Mean strain and amplitude of the third strain mode in the element above a node, whose slopes
-    are p0 and p1 times what they are [-]."""
-    head = header(I)
-    dimension = head.dimension
-    size = 2 * dimension
-    h = edge_of(I, M, node).length
-    q0 = head.position + size * I[head.parent + node]
-    q1 = head.position + size * node
-    mean = 0.0
-    third = 0.0
-    for p in range(3):
-        square = 0.0
-        for i in range(dimension):
-            slope = (M[q0 + i] * D0[p] + M[q1 + i] * D2[p]) / h
-            slope += p0 * M[q0 + dimension + i] * D1[p] + p1 * M[q1 + dimension + i] * D3[p]
-            square += slope * slope
-        strain = math.sqrt(square) - 1.0
-        mean += WEIGHT[p] * strain
-        third += WEIGHT_P2[p] * strain
-    return mean, 5.0 * third
-
-
-@kernel
-def third_strain(I, M, node):
-    """Amplitude of the third strain mode in the element above a node [-]."""
-    return strains(I, M, node, 1.0, 1.0)[1]
 
 
 @kernel
 def strain_of_bend(I, M, node):
-    """The same if its slopes were stretched as the element is: what bending alone makes."""
+    """Amplitude of the third strain mode in the element above a node if its slopes were stretched
+    as the element is: what bending alone makes of it [-]."""
     head = header(I)
     dimension = head.dimension
-    mean, third = strains(I, M, node, 1.0, 1.0)
+    mean, _moment, third = strains(I, M, node, 1.0, 1.0)
     above = 0.0
     below = 0.0
     for i in range(dimension):
@@ -90,7 +54,7 @@ def strain_of_bend(I, M, node):
         return third
     p0 = (1.0 + mean) / math.sqrt(above)
     p1 = (1.0 + mean) / math.sqrt(below)
-    return strains(I, M, node, p0, p1)[1]
+    return strains(I, M, node, p0, p1)[2]
 
 
 @kernel
@@ -191,6 +155,16 @@ def soften(I, M):
             head.has_history = 0
 
 
+@inlined
+def forget_stretch(edge, share):
+    """Forget a share of what a piece of a split element is stretched by at rest."""
+    edge.stretch_rest *= 1.0 - share
+    edge.moment_rest *= 1.0 - share
+    if abs(edge.stretch_rest) + abs(edge.moment_rest) < FORGOTTEN * edge.length:
+        edge.stretch_rest = 0.0
+        edge.moment_rest = 0.0
+
+
 @kernel
 def follow_third_mode(I, M, share):
     """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 0:
@@ -223,6 +197,7 @@ def follow_third_mode(I, M, share):
         edge.third_rest *= 1.0 - share
         if abs(edge.third_rest) < FORGOTTEN * stiffness:
             edge.third_rest = 0.0
+        forget_stretch(edge, SLOWLY * share)
         tension = M[head.tension + 2 * node] if taut else 0.0
         outgrown = tension if tension > stiffness or over else 0.0
         wanted = wanted_stiffness(I, M, node, edge, outgrown, rings, over)
@@ -237,7 +212,8 @@ def follow_third_mode(I, M, share):
             edge.third_rest *= wanted / stiffness
             if over and wanted == HALF * stiffness:
                 state.rang = 1.0  # there is more to forget
-        if wanted > least_stiffness(M, edge) or edge.third_rest != 0.0:
+        rests = edge.third_rest != 0.0 or edge.stretch_rest != 0.0 or edge.moment_rest != 0.0
+        if wanted > least_stiffness(M, edge) or rests:
             state.stiffened = 1.0
         if wanted != stiffness:
             edge.stabilisation = wanted

@@ -15,7 +15,7 @@ from cablemodel.solvers.finite_element.kernels.element.strain import (
     is_limp,
     promised_tension,
 )
-from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_edge
+from cablemodel.solvers.finite_element.kernels.mesh.payout import join_at, split_element
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
     ROW_JUMPS,
     bend_allowed,
@@ -119,7 +119,7 @@ def may_unite(I, M, node):
 @kernel
 def halve_for_good(I, M, node):
     """Halve an element into two that are not joined again. OK or NO_CAPACITY."""
-    if split_edge(I, M, node, 0.5, False) != OK:
+    if split_element(I, M, node, 0.5) != OK:
         return NO_CAPACITY
     for half in range(node, node + 2):
         edge_of(I, M, half).nominal = edge_of(I, M, half).length
@@ -210,7 +210,7 @@ def follow_bending(I, M, change):
                 ):
                     if not change:
                         return CHANGED
-                    if split_edge(I, M, node, 0.5, False) != OK:
+                    if split_element(I, M, node, 0.5) != OK:
                         return NO_CAPACITY
                     changed = CHANGED
             elif (

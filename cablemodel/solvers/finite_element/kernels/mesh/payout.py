@@ -16,6 +16,13 @@ steps; splitting a cubic is exact, in position, velocity, acceleration and tensi
 from cablemodel.solvers.finite_element.kernels.element.cubic import bend_at_begin
 from cablemodel.solvers.finite_element.kernels.element.scales import least_stiffness
 from cablemodel.solvers.finite_element.kernels.element.strain import is_limp, tensions_of_both
+from cablemodel.solvers.finite_element.kernels.element.stretch import (
+    join_rests,
+    rest_as_stretched,
+    split_rests,
+    splitting_tears,
+    take_in_rest,
+)
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
     cable_paid,
@@ -125,6 +132,8 @@ def pay_out(I, M, dt):
         if winch.node < 0.0:
             continue
         paid = paid_since(winch, dt)
+        if paid < 0.0:
+            take_in_rest(edge_of(I, M, top_edge(winch)), 1.0 + paid / winch.top_length)
         winch.travel += paid
         winch.paid = cable_paid(I, M, n)
         winch.top_length += paid
@@ -462,6 +471,7 @@ def split_edge(I, M, edge, x, hinge):
     edge_of(I, M, lower).start += x * h
     edge_of(I, M, edge).third_rest *= x * x
     edge_of(I, M, lower).third_rest *= (1.0 - x) * (1.0 - x)
+    split_rests(I, M, edge, lower, x)
     if top >= 0:
         winch = winch_of(I, M, top)
         winch.top_length = edge_of(I, M, top_edge(winch)).length
@@ -472,6 +482,19 @@ def split_edge(I, M, edge, x, hinge):
             if hinge:
                 edge_of(I, M, edge + 1).start = start
     return OK
+
+
+@kernel
+def split_element(I, M, edge, x):
+    """Split an element in two. At a winch that pays out both rest as they are stretched, where that
+    would become tension. OK or NO_CAPACITY."""
+    top = winch_of_edge(I, M, edge)
+    tears = top >= 0 and winch_of(I, M, top).rate > 0.0 and splitting_tears(I, M, edge)
+    status = split_edge(I, M, edge, x, False)
+    if status == OK and tears:
+        rest_as_stretched(I, M, edge)
+        rest_as_stretched(I, M, edge + 1)
+    return status
 
 
 @kernel
@@ -524,10 +547,11 @@ def join_at(I, M, node, count):
     if aside:
         M[head.tension + 2 * lower] = both0
         M[head.tension + 2 * lower + 1] = both1
-    edge_of(I, M, lower).length = h
     edge_of(I, M, lower).start = start
     edge_of(I, M, lower).stabilisation = least_stiffness(M, edge_of(I, M, lower))
     edge_of(I, M, lower).third_rest = 0.0
+    join_rests(I, M, upper, lower)
+    edge_of(I, M, lower).length = h
     close_gap(I, M, node, count)
     if winch >= 0:
         winch_of(I, M, winch).top_length = h
@@ -538,11 +562,15 @@ def join_at(I, M, node, count):
 
 @kernel
 def give_properties(I, M, edge, cable):
-    """Make an element one of another cable: all of the row but its length and place."""
+    """Make an element one of another cable: all of the row but its length, place and rest."""
     row = edge_of(I, M, edge)
     h = row.length
     start = row.start
+    stretch = row.stretch_rest
+    moment = row.moment_rest
     for k in range(EDGE_WORDS):
         M[word_of(M, row) + k] = M[word_of(M, cable_of(I, M, cable).edge) + k]
     row.length = h
     row.start = start
+    row.stretch_rest = stretch
+    row.moment_rest = moment

@@ -25,6 +25,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     open_gap,
     out_of_joint,
     split_edge,
+    split_element,
     top_edge,
     turn_with_matter,
 )
@@ -428,7 +429,7 @@ def unite(I, M, n):
         if edge_of(I, M, edge).length > edge_of(I, M, longest).length:
             longest = edge
         edge = next_along(I, winch, edge)
-    status = split_edge(I, M, longest, 0.5, False)
+    status = split_element(I, M, longest, 0.5)
     if status == OK:
         keep_length(I, M, longest)
         keep_length(I, M, longest + 1)
@@ -442,7 +443,7 @@ def divide(I, M, n):
     pieces = max(2, int(winch.top_length / cable_of(I, M, int(winch.cable)).nominal))
     edge = top_edge(winch)
     share = 1.0 - 1.0 / pieces if winch.way > 0.0 else 1.0 / pieces
-    status = split_edge(I, M, edge, share, False)
+    status = split_element(I, M, edge, share)
     if status == OK:
         keep_length(I, M, edge + 1 if winch.way > 0.0 else edge)
     return status

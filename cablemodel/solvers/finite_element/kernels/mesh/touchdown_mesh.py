@@ -25,7 +25,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     next_cable,
     out_of_joint,
     place_and_slope,
-    split_edge,
+    split_element,
     split_rest,
     winch_of_edge,
 )
@@ -602,7 +602,7 @@ def follow_floor(I, M, change, first):
                 if gaps[node] < h or hanging < state.most_nodes:
                     if not change:
                         return CHANGED
-                    if split_edge(I, M, node, 0.5, False) != OK:
+                    if split_element(I, M, node, 0.5) != OK:
                         return NO_CAPACITY
                     hanging += 1
                     changed = CHANGED

@@ -1,0 +1,126 @@
+"""How an element is stretched along itself, by modes, and what of that no tension says.
+
+Where an element is split its third mode of strain becomes strain of both pieces. A number holds
+that mode, not the cable (stabilisation.py): as strain of the pieces it would become tension that
+nothing carries. At a winch that runs, where elements become longest, what the pieces are strained
+by beyond their tension is their strain at rest: together it lengthens nothing, and it is forgotten
+far more slowly than anything moves. Not elsewhere: friction would keep what is forgotten.
+"""
+
+import math
+
+from cablemodel.solvers.finite_element.kernels.element.strain import moments, promised_tension
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    D0,
+    D1,
+    D2,
+    D3,
+    WEIGHT,
+    WEIGHT_P1,
+    WEIGHT_P2,
+)
+from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined
+
+OF_A_HALF = 0.75  # of the third mode's amplitude: the linear part of it in each half
+
+
+@outlined
+def strains(I, M, node, p0, p1):
+    """Strain of the element above a node, whose slopes are p0 and p1 times what they are: its mean,
+    its mean times P1, and the amplitude of its third mode [-]."""
+    head = header(I)
+    dimension = head.dimension
+    size = 2 * dimension
+    h = edge_of(I, M, node).length
+    q0 = head.position + size * I[head.parent + node]
+    q1 = head.position + size * node
+    mean = 0.0
+    moment = 0.0
+    third = 0.0
+    for p in range(3):
+        square = 0.0
+        for i in range(dimension):
+            slope = (M[q0 + i] * D0[p] + M[q1 + i] * D2[p]) / h
+            slope += p0 * M[q0 + dimension + i] * D1[p] + p1 * M[q1 + dimension + i] * D3[p]
+            square += slope * slope
+        strain = math.sqrt(square) - 1.0
+        mean += WEIGHT[p] * strain
+        moment += WEIGHT_P1[p] * strain
+        third += WEIGHT_P2[p] * strain
+    return mean, moment, 5.0 * third
+
+
+@kernel
+def third_strain(I, M, node):
+    """Amplitude of the third strain mode in the element above a node [-]."""
+    return strains(I, M, node, 1.0, 1.0)[2]
+
+
+@kernel
+def splitting_tears(I, M, edge):
+    """Whether the third mode of a taut element would become tension of its pieces by more than
+    tensions may be wrong by. Not where nothing damps a line: there the mode rings."""
+    if scalars(M).undamped != 0.0:
+        return False
+    promised = promised_tension(M)
+    t = header(I).tension + 2 * edge
+    taut = M[t] - abs(M[t + 1]) > promised
+    off = OF_A_HALF * abs(third_strain(I, M, edge))
+    return taut and off > promised * edge_of(I, M, edge).compliance
+
+
+@kernel
+def rest_as_stretched(I, M, node):
+    """Let what an element is stretched by, and its tension does not say, be its strain at rest."""
+    edge = edge_of(I, M, node)
+    t = header(I).tension + 2 * node
+    mean, moment, _third = strains(I, M, node, 1.0, 1.0)
+    strain, slope, _c00, _c01, _c11, _bent = moments(M, edge, M[t], M[t + 1])
+    edge.stretch_rest = edge.length * (mean - strain)
+    edge.moment_rest = edge.length * (moment - slope)
+    scalars(M).stiffened = 1.0
+
+
+@outlined
+def take_rests(I, M, missed):
+    """Take what elements are stretched by at rest off what constraints miss, (2 nodes,) [m]."""
+    head = header(I)
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            edge = edge_of(I, M, node)
+            missed[2 * node] -= edge.stretch_rest
+            missed[2 * node + 1] -= edge.moment_rest
+
+
+@inlined
+def take_in_rest(edge, left):
+    """Take the rest in with an element's cable, of which a share is left."""
+    edge.stretch_rest *= left
+    edge.moment_rest *= left
+
+
+@kernel
+def split_rests(I, M, upper, lower, x):
+    """Let two elements, pieces x and 1 - x of one whose rest both have, rest as it does there."""
+    above = edge_of(I, M, upper)
+    below = edge_of(I, M, lower)
+    y = 1.0 - x
+    stretch = below.stretch_rest
+    moment = below.moment_rest
+    above.stretch_rest = x * (stretch - 3.0 * y * moment)
+    above.moment_rest = x * x * moment
+    below.stretch_rest = y * (stretch + 3.0 * x * moment)
+    below.moment_rest = y * y * moment
+
+
+@kernel
+def join_rests(I, M, upper, lower):
+    """Let the lower one of two elements, which is to take the place of both, rest as both do."""
+    above = edge_of(I, M, upper)
+    below = edge_of(I, M, lower)
+    x = above.length / (above.length + below.length)
+    y = 1.0 - x
+    across = x * below.stretch_rest - y * above.stretch_rest
+    below.stretch_rest += above.stretch_rest
+    below.moment_rest = x * above.moment_rest + y * below.moment_rest + across
