@@ -240,3 +240,33 @@ def test_what_folds_leaves_the_winch_its_nodes(bending: float) -> None:
         most = max(most, model.statistics["elements"])
     assert model.line_length == pytest.approx(150.0, rel=1e-12)
     assert most > 5 * first
+
+
+def test_halves_are_not_joined_to_be_halved_again():
+    """Cable is paid out while its ship gets faster: what is halved in the bend stays so."""
+    kind = {
+        "diameter": 0.017, "mass": 0.55, "axial_stiffness": 4e7, "bending_stiffness": 0,
+        "drag_normal": 1.5, "drag_tangential": 0.005,
+    }  # fmt: skip
+    faster = [{"t": time, "velocity": [speed, 0, 0]} for time, speed in ((20, 2.0), (120, 3.0))]
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "cable_types": {"c": kind},
+                "line": [{"cable": {"type": "c", "length": 3000}}],
+                "vessel": {"velocity": [{"t": 0, "velocity": [2, 0, 0]}, *faster]},
+                "payout": {
+                    "rate": [
+                        {"t": time, "rate": rate} for time, rate in ((0, 0), (20, 0), (60, 4))
+                    ],
+                    "drum": [{"cable": {"type": "c", "length": 3000}}],
+                },
+            }
+        )
+    )
+    counts = []
+    for time in np.arange(0.5, 400.0, 0.5):
+        model.step_to(time)
+        counts.append(model.statistics["elements"])
+    assert max(counts) > counts[0]
+    assert np.count_nonzero(np.diff(counts)) < 40

@@ -94,8 +94,9 @@ def may_snap(I, M, node):
 
 
 @kernel
-def may_unite(I, M, node):
-    """Whether the elements on both sides of a node are halves that may be one.
+def may_unite(I, M, node, jump):
+    """Whether the elements on both sides of a node are halves that may be one; jump: the larger at
+    the far ends of both, by which one in their place would be halved at once.
 
     None where drag hardly damps: what a join leaves would go on for good. Here r'' may not jump
     along the line either: the strains of two elements that differ make a mode of the joined one
@@ -111,6 +112,7 @@ def may_unite(I, M, node):
         h <= 1.001 * min(upper.nominal, lower.nominal)
         and upper.segment == lower.segment
         and not holds_something(I, M, node)
+        and h * h * jump <= bend_allowed(I, M, node)
         and h * h * jump_at(I, M, node, False) < BENDING_STRAIGHT * bend_allowed(I, M, node)
         and one_cubic_does(I, M, node)
     )
@@ -218,7 +220,7 @@ def follow_bending(I, M, change):
                 node > 1
                 and I[head.joint + node - 1] == 0
                 and not bends_too_much(I, M, node - 1, max(jumps[node - 2], jumps[node - 1]))
-                and may_unite(I, M, node - 1)
+                and may_unite(I, M, node - 1, max(jumps[node - 2], jumps[node]))
             ):
                 if not change:
                     return CHANGED
