@@ -21,7 +21,8 @@ RARE_KERNELS = (
     "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls", "inertia", "interface",
     "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
     "rings", "rotation", "scales", "shear", "slack", "sleep", "stabilisation", "statics", "stretch",
-    "summary", "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "stations", "summary", "swinging", "tension", "top_element", "touchdown_mesh",
+    "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")

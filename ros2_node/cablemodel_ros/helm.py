@@ -180,12 +180,17 @@ class Helm(Steering):
 
     def __init__(self, settings: Settings, commands: Commands) -> None:
         super().__init__(settings, commands, settings.vessel_input)
+        self.begin_with(settings.initial_heading)
+
+    def begin_with(self, heading: float) -> None:
+        """Begin, now and after a reset, with a heading [rad]."""
+        self._initial = heading
         self.reset()
 
     def reset(self) -> None:
         """Back to the initial heading; no command was ever seen."""
         super().reset()
-        self.rotation = heading_rotation(self._settings.initial_heading)
+        self.rotation = heading_rotation(self._initial)
         self.idle_payout = False
 
     @property

@@ -11,7 +11,7 @@ from cablemodel import CableModel, Scene, StepError, variables
 from cablemodel.model import Snapshot
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
-from cablemodel_ros.frames import Floats
+from cablemodel_ros.frames import Floats, heading_of
 from cablemodel_ros.helm import Applied, Helm, Present
 from cablemodel_ros.rig import (
     Frame,
@@ -138,6 +138,13 @@ class LineRig:
 
     # -- the state ------------------------------------------------------------------------------
 
+    @property
+    def bearing(self) -> float | None:
+        return heading_of(self.helm.rotation)
+
+    def take_bearing(self, heading: float) -> None:
+        self.helm.begin_with(heading)
+
     def image(self) -> bytes:
         return self.model.snapshot().image
 
@@ -175,6 +182,9 @@ class LineRig:
 
     def command_findings(self) -> Iterator[str]:
         yield from self.commands.contradictions()
+        scheduled = any(point.rate != 0.0 for point in self.scene.payout.rate)
+        if scheduled and self.helm.wants_payout and self.commands.latest().payout is None:
+            yield "no payout_rate_cmd yet: the winch stands, payout_input scene follows the scene"
         if self.helm.idle_payout:
             has_drum = "drum" in variables.features(self.scene)
             why = "the drum is empty" if has_drum else "the scene has no payout.drum"

@@ -150,6 +150,13 @@ class Rig(Protocol):
     def image(self) -> bytes:
         """The model's state, for a file."""
 
+    @property
+    def bearing(self) -> float | None:
+        """Heading of the vessel [rad], where the model's state does not hold it."""
+
+    def take_bearing(self, heading: float) -> None:
+        """Begin, now and after a reset, with another heading [rad]."""
+
     def take_image(self, image: bytes, scene: str) -> None:
         """Take up a state; `scene`: `scene_hash` of the scene that it is of, if known.
 

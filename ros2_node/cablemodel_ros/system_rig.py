@@ -236,6 +236,13 @@ class SystemRig:
 
     # -- the state ------------------------------------------------------------------------------
 
+    @property
+    def bearing(self) -> float | None:
+        return None
+
+    def take_bearing(self, heading: float) -> None:
+        """Vessels turn with the state."""
+
     def image(self) -> bytes:
         return self.model.snapshot()
 

@@ -360,6 +360,21 @@ def test_a_start_that_is_set_and_nothing_else_goes_on(tmp_path):
         slave.close()
 
 
+@pytest.mark.parametrize("first", [0.01, 1.0, 8.0])
+def test_a_start_velocity_of_its_own_leaves_the_scenes_schedule(scheduled, first):
+    """The vessel goes straight on, whatever the first step, until it is driven."""
+    slave = Slave(*scheduled, **{"vessel.start_velocity": (0.0, 0.8, 0.0)})
+    for dt in (first, 10.0 - first):
+        slave.step(dt)
+    np.testing.assert_allclose(slave.get("line.position")[:3], [5.0, 11.0, 0.0], atol=1e-12)
+    slave.set("vessel.velocity", (0.8, 0.0, 0.0))
+    slave.step(0.5)
+    slave.step(0.5)
+    assert slave.get("line.position")[0] > 5.5
+    assert slave.messages == []
+    slave.close()
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

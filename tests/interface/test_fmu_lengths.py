@@ -316,6 +316,30 @@ def test_a_start_that_is_not_one_to_go_by_is_warned_of(data, values, said, tmp_p
         slave.close()
 
 
+JUMPER = {
+    "cable_types": {
+        "J": {"diameter": 0.03, "mass": 1.5, "axial_stiffness": 5e6, "bending_stiffness": 5,
+              "drag_normal": 1.2, "drag_tangential": 0.01}
+    },
+    "line": [{"cable": {"type": "J", "length": 66}}],
+    "end": {"anchor": [40, 0, -25]},
+    "vessel": {"position": [0, 0, 3]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("length", [84.0, 88.0, 90.0])
+def test_elements_follow_a_line_that_bends_more_at_its_new_length(length, tmp_path):
+    """On the scene's elements it rang by a third of its tension."""
+    with unpacked(cm.load_scene(JUMPER), tmp_path, stations=STATIONS) as found:
+        slave = Slave(*found, **{"line.cable[1].length": length})
+        model = cm.CableModel(with_lengths({"title": "", **JUMPER}, [length], []))
+        for _ in range(40):
+            assert max(difference(slave, model)) < 1.0
+            slave.step(0.25)
+            model.step(0.25)
+        slave.close()
+
+
 @pytest.mark.parametrize(
     ("data", "name", "value"),
     [

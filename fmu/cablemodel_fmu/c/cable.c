@@ -161,17 +161,27 @@ void clear_slopes(Cable *cable) {
         memset(input->slope, 0, sizeof input->slope);
 }
 
+/* Whether the vessel has left the scene's schedule, by a start velocity of its own, and goes straight on
+   until something drives it. */
+static int goes_straight_on(const Cable *cable) {
+    return !(driven(cable) & (VELOCITY_SET | POSITION_SET)) && velocity_changed(cable);
+}
+
 static void collect_inputs(Cable *cable, double dt, StepInputs *inputs) {
     memset(inputs, 0, sizeof *inputs);
     const int64_t by = vessel_input(cable), drives = driven(cable);
-    if (drives & (VELOCITY_SET | POSITION_SET)) {
+    if (goes_straight_on(cable)) {
+        inputs->velocity_given = 1.0;
+        memcpy(inputs->velocity, cable->now.start + 3, sizeof inputs->velocity);
+    } else if (drives & (VELOCITY_SET | POSITION_SET)) {
         inputs->velocity_given = by != BY_POSITION;
         inputs->position_given = by != BY_VELOCITY;
     }
     inputs->current_given = (drives & CURRENT_SET) != 0;
     inputs->payout_given = (drives & PAYOUT_SET) != 0;
     for (int i = 0; i < 3; i++) {
-        if (inputs->velocity_given != 0.0) inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
+        if (drives & (VELOCITY_SET | POSITION_SET) && inputs->velocity_given != 0.0)
+            inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
         if (inputs->position_given != 0.0) inputs->position[i] = at_end(cable, VR_POSITION + i, dt);
         if (inputs->current_given != 0.0) inputs->current[i] = at_end(cable, VR_CURRENT + i, dt);
     }
@@ -245,6 +255,7 @@ static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
     now->last_driven = driven(cable);
     now->last_sloped = now->has_slope;
     memcpy(now->before, now->input, sizeof now->before);
+    if (goes_straight_on(cable)) memcpy(now->before + VR_VELOCITY, now->start + 3, 3 * sizeof(double));
     now->has_slope = 0;
 }
 

@@ -282,6 +282,7 @@ const char *response_of(Cable *cable, const unsigned unknown[], size_t unknowns,
 
 /* lengths.c */
 int lengths_changed(const Cable *cable);
+int velocity_changed(const Cable *cable);
 double *lengths_between(const Cable *cable, double from, double to);
 int64_t line_out_of_reach(Cable *cable, double *length, double *apart);
 const Parameter *first_changed(const Cable *cable);
@@ -295,6 +296,7 @@ typedef struct { /* the most that an element bends, in what it can follow, and s
 } Shape;
 Shape shape_of(const Cable *cable);
 void judge_shape(Cable *cable, const Shape *before);
+int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity);
 int64_t *copy_of_image(const Cable *cable);
 void give_back(Cable *cable, const int64_t *image);
 const char *judge_growth(Cable *cable, const char *changed);

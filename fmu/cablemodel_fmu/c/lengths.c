@@ -24,7 +24,7 @@ int differs(const double *a, const double *b) {
     return a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
 }
 
-static int velocity_changed(const Cable *cable) {
+int velocity_changed(const Cable *cable) {
     return differs(cable->now.start + 3, file_header(cable->file)->inputs + VR_VELOCITY);
 }
 
@@ -150,6 +150,11 @@ static int64_t find_initial_state(Cable *cable) {
     return status;
 }
 
+static int64_t at_rest_again(Cable *cable, double *velocity) {
+    (void)velocity;
+    return find_initial_state(cable);
+}
+
 /* The lengths at `to` from those at `from`, in shares of the way from the scene's to those set; and
    the start that was set. */
 static int64_t stretch_line(Cable *cable, double from, double to) {
@@ -250,6 +255,9 @@ const char *settle_line(Cable *cable) {
             for (int n = 0; n < leaps && status == OK; n++)
                 status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
         }
+        /* What bends far more may be another shape than the scene's: it is warned of, as it is. */
+        if (judged && status == OK && shape_of(cable).bent <= FAR_TOO_BENT)
+            status = refine(cable, 0, at_rest_again, NULL);
     }
     if (status == OK) {
         if (!judged) return NULL;

@@ -22,6 +22,46 @@ void judge_shape(Cable *cable, const Shape *before) {
     cable->stretched = now.stretched > fmax(LARGE_STRAIN, before->stretched) ? now.stretched : 0.0;
 }
 
+/* Halve what bends too much, from the last element on: halves go where the whole one went. */
+static int64_t halve_bent(Cable *cable) {
+    const int64_t nodes = header(cable->I)->nodes;
+    int64_t found = NOTHING;
+    double *bends = malloc(8 * (size_t)nodes);
+    if (bends == NULL) return NO_CAPACITY;
+    cablemodel_measure_bends(cable->I, cable->block_words, bends, nodes);
+    for (int64_t node = nodes - 1; node >= 1 && found != NO_CAPACITY; node--) {
+        if (!(bends[node] > BENT)) continue;
+        const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
+        if (status != NOTHING) found = status;
+    }
+    free(bends);
+    return found;
+}
+
+/* Finer where lines bend too much, or where they meet the floor, and at rest again: _at_rest of
+   cablemodel/systems/build.py, start/refinement.py. What fails leaves the mesh to the run. */
+int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity) {
+    for (int round = 0; round < REFINEMENTS; round++) {
+        if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;
+        int64_t found, *at_rest = copy_of_image(cable);
+        if (at_rest == NULL) return NO_CAPACITY;
+        while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
+                                 : halve_bent(cable)) == NO_CAPACITY) {
+            give_back(cable, at_rest);
+            free(at_rest);
+            if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
+        }
+        if (found != NOTHING && !at_floor) cablemodel_restore_bending(cable->I, cable->block_words);
+        if (found != NOTHING && rest(cable, velocity) != OK) {
+            give_back(cable, at_rest);
+            found = NOTHING;
+        }
+        free(at_rest);
+        if (found == NOTHING) break;
+    }
+    return OK;
+}
+
 int64_t *copy_of_image(const Cable *cable) {
     int64_t *copy = malloc(8 * (size_t)cable->image_words);
     if (copy != NULL) memcpy(copy, cable->I, 8 * (size_t)cable->image_words);

@@ -260,46 +260,6 @@ static int64_t come_to_rest(Cable *cable, double velocity[3]) {
     return OK;
 }
 
-/* Halve what bends too much, from the last element on: halves go where the whole one went. */
-static int64_t halve_bent(Cable *cable) {
-    const int64_t nodes = header(cable->I)->nodes;
-    int64_t found = NOTHING;
-    double *bends = malloc(8 * (size_t)nodes);
-    if (bends == NULL) return NO_CAPACITY;
-    cablemodel_measure_bends(cable->I, cable->block_words, bends, nodes);
-    for (int64_t node = nodes - 1; node >= 1 && found != NO_CAPACITY; node--) {
-        if (!(bends[node] > BENT)) continue;
-        const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
-        if (status != NOTHING) found = status;
-    }
-    free(bends);
-    return found;
-}
-
-/* Finer where lines bend too much, or where they meet the floor: _at_rest of cablemodel/systems/build.py.
-   What fails leaves the mesh to the run. */
-static int64_t refine(Cable *cable, double velocity[3], int at_floor) {
-    for (int round = 0; round < REFINEMENTS; round++) {
-        if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;
-        int64_t found, *at_rest = copy_of_image(cable);
-        if (at_rest == NULL) return NO_CAPACITY;
-        while ((found = at_floor ? cablemodel_refine_at_floor(cable->I, cable->block_words)
-                                 : halve_bent(cable)) == NO_CAPACITY) {
-            give_back(cable, at_rest);
-            free(at_rest);
-            if (!grow(cable) || (at_rest = copy_of_image(cable)) == NULL) return NO_CAPACITY;
-        }
-        if (found != NOTHING && !at_floor) cablemodel_restore_bending(cable->I, cable->block_words);
-        if (found != NOTHING && come_to_rest(cable, velocity) != OK) {
-            give_back(cable, at_rest);
-            found = NOTHING;
-        }
-        free(at_rest);
-        if (found == NOTHING) break;
-    }
-    return OK;
-}
-
 /* -- where friction takes hold: cablemodel/solvers/finite_element/start/firm_friction.py -------------- */
 
 static int64_t equilibrium_at_rest(Cable *cable) {
@@ -467,8 +427,8 @@ static const char *search(Cable *cable) {
     }
     free(kept);
     velocity_at(&way, 1.0, velocity);
-    if (status == OK) status = refine(cable, velocity, 0);
-    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, velocity, 1);
+    if (status == OK) status = refine(cable, 0, come_to_rest, velocity);
+    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, 1, come_to_rest, velocity);
     const char *left = status == OK ? judge_growth(cable, name_changed(cable, name, sizeof name)) : NULL;
     if (left != NULL) return left;
     if (status == OK && !differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);

@@ -116,6 +116,7 @@ def test_behind_a_foreign_clock_nothing_is_left_out_and_it_may_pause_and_begin_a
     run(5.0, 4.0, 0.8)  # far less than the machine is up
     assert watch.velocity[0] == pytest.approx(0.8)
     assert len(watch.tension) > 0.9 * len(watch.applied)
+    time.sleep(0.5)  # what is on its way comes
     steps = len(watch.applied)
     time.sleep(1.5)  # a pause makes nothing stale
     assert len(watch.applied) == steps

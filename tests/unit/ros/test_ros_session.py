@@ -232,6 +232,37 @@ def test_a_saved_state_goes_on_as_the_model_did(session: Session, tmp_path: Path
         assert saved["position"].shape == (len(saved["s"]), 3)
 
 
+def test_a_saved_state_has_the_vessels_heading(session: Session, tmp_path: Path) -> None:
+    """Commands along its bow go on as they did; an initial heading that is given counts more."""
+    for _ in range(100):
+        session.rig.commands.take_twist(None, "base_link", (0.5, 0, 0), (0, 0, 0.5))
+        drive_on(session)
+    heading = session.rig.bearing
+    assert heading == pytest.approx(0.5, abs=0.05)
+    path = session.save().write(tmp_path)
+    other = opened(settings(initial_state=str(path)))
+    assert other.rig.bearing == heading
+    other.reset()
+    assert other.rig.bearing == heading
+    assert opened(settings(initial_state=str(path), initial_heading=2.5)).rig.bearing == 2.5
+
+
+def drive_on(session: Session) -> None:
+    """One cycle."""
+    dt = 1.0 / session.settings.rate
+    session.cycle(Simulated((round(session.model.time / dt) + 1) * dt))
+
+
+def test_pay_out_that_the_scene_schedules_and_nobody_commands_is_told() -> None:
+    schedule = "payout.rate=[{t: 0, rate: 0.5}]"
+    made = opened(settings(schedule))
+    assert any("no payout_rate_cmd yet" in said for said in made.rig.command_findings())
+    made.rig.commands.take_payout_rate(0.1)
+    assert list(made.rig.command_findings()) == []
+    for other in (settings(schedule, payout_input="scene"), settings()):
+        assert list(opened(other).rig.command_findings()) == []
+
+
 def test_relative_odometry_counts_from_where_a_saved_state_is(
     session: Session, tmp_path: Path
 ) -> None:
