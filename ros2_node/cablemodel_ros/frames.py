@@ -44,11 +44,6 @@ def finite(values: Floats) -> bool:
     return all(map(math.isfinite, values.tolist()))
 
 
-def heading_of(rotation: Floats) -> float:
-    """Heading [rad] of a vessel, whose axes are the columns of a matrix (3, 3)."""
-    return math.atan2(rotation[1, 0], rotation[0, 0])
-
-
 def heading_rotation(heading: float) -> Floats:
     """Matrix (3, 3) of a vessel on even keel with its bow `heading` [rad] from the x axis."""
     c, s = math.cos(heading), math.sin(heading)

@@ -180,17 +180,17 @@ class Helm(Steering):
 
     def __init__(self, settings: Settings, commands: Commands) -> None:
         super().__init__(settings, commands, settings.vessel_input)
-        self.begin_with(settings.initial_heading)
+        self.begin_with(heading_rotation(settings.initial_heading))
 
-    def begin_with(self, heading: float) -> None:
-        """Begin, now and after a reset, with a heading [rad]."""
-        self._initial = heading
+    def begin_with(self, rotation: Floats) -> None:
+        """Begin, now and after a reset, with an attitude: vessel axes to map axes (3, 3)."""
+        self._initial = rotation
         self.reset()
 
     def reset(self) -> None:
-        """Back to the initial heading; no command was ever seen."""
+        """Back to the initial attitude; no command was ever seen."""
         super().reset()
-        self.rotation = heading_rotation(self._initial)
+        self.rotation = self._initial.copy()
         self.idle_payout = False
 
     @property

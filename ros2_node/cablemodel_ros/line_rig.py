@@ -11,7 +11,7 @@ from cablemodel import CableModel, Scene, StepError, variables
 from cablemodel.model import Snapshot
 from cablemodel_ros import interface
 from cablemodel_ros.commands import Commands, Tally
-from cablemodel_ros.frames import Floats, heading_of
+from cablemodel_ros.frames import Floats
 from cablemodel_ros.helm import Applied, Helm, Present
 from cablemodel_ros.rig import (
     Frame,
@@ -139,11 +139,11 @@ class LineRig:
     # -- the state ------------------------------------------------------------------------------
 
     @property
-    def bearing(self) -> float | None:
-        return heading_of(self.helm.rotation)
+    def attitude(self) -> Floats | None:
+        return self.helm.rotation
 
-    def take_bearing(self, heading: float) -> None:
-        self.helm.begin_with(heading)
+    def take_attitude(self, rotation: Floats) -> None:
+        self.helm.begin_with(rotation)
 
     def image(self) -> bytes:
         return self.model.snapshot().image

@@ -151,11 +151,11 @@ class Rig(Protocol):
         """The model's state, for a file."""
 
     @property
-    def bearing(self) -> float | None:
-        """Heading of the vessel [rad], where the model's state does not hold it."""
+    def attitude(self) -> Floats | None:
+        """Vessel axes to map axes (3, 3), where the model's state does not hold that."""
 
-    def take_bearing(self, heading: float) -> None:
-        """Begin, now and after a reset, with another heading [rad]."""
+    def take_attitude(self, rotation: Floats) -> None:
+        """Begin, now and after a reset, with another attitude (3, 3)."""
 
     def take_image(self, image: bytes, scene: str) -> None:
         """Take up a state; `scene`: `scene_hash` of the scene that it is of, if known.

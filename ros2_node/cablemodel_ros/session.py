@@ -21,6 +21,7 @@ from cablemodel.errors import SceneError
 from cablemodel.results.states import shapes_of
 from cablemodel.systems import read_scene
 from cablemodel_ros.checkpoints import Checkpoints
+from cablemodel_ros.frames import Floats
 from cablemodel_ros.recording import Recorder
 from cablemodel_ros.rig import Frame, Rig, rig_of
 from cablemodel_ros.samples import Message, topics
@@ -96,9 +97,9 @@ class Session:
         self.rig.warm_up()
         self.started_at_scene = not settings.initial_state
         if settings.initial_state:
-            heading = restore_saved(self.rig, Path(settings.initial_state))
-            if heading is not None and settings.initial_heading == 0.0:
-                self.rig.take_bearing(heading)
+            attitude = restore_saved(self.rig, Path(settings.initial_state))
+            if attitude is not None and settings.initial_heading == 0.0:
+                self.rig.take_attitude(attitude)
         self._start = self.model.snapshot()
         # Libraries load now, not in the first cycle.
         self.rig.outputs(Stamp(0))
@@ -286,8 +287,8 @@ class SavedState:
     """What ``~/save`` writes: the scene as YAML, and the state as ``.npz`` (NumPy).
 
     The arrays are those of `CableState`, of a system with the names of lines before them
-    (``tow.position``); of a scene of one line the vessel's ``heading`` [rad]; and ``snapshot``,
-    which `restore_saved` takes up.
+    (``tow.position``); of a scene of one line the vessel's ``attitude`` (3, 3), its axes to the
+    map's; and ``snapshot``, which `restore_saved` takes up.
     """
 
     def __init__(self, rig: Rig) -> None:
@@ -296,7 +297,9 @@ class SavedState:
         self._shapes = shapes_of(model)
         self._snapshot, self._hash = rig.image(), rig.scene_hash
         self._time = model.time
-        self._heading: dict[str, Any] = {} if rig.bearing is None else {"heading": rig.bearing}
+        self._attitude: dict[str, Any] = {}
+        if rig.attitude is not None:
+            self._attitude["attitude"] = rig.attitude.copy()
         self._facts = {
             "time": model.time,
             "top_tension": model.top_tension,
@@ -323,7 +326,7 @@ class SavedState:
                 file,
                 time=self._time,
                 **arrays,
-                **self._heading,
+                **self._attitude,
                 snapshot=np.frombuffer(self._snapshot, dtype=np.uint8),
                 scene=np.array(self._hash),
                 facts=np.array(json.dumps(self._facts)),
@@ -331,8 +334,8 @@ class SavedState:
         return path
 
 
-def restore_saved(rig: Rig, path: Path) -> float | None:
-    """Take up a saved state; gives the vessel's heading [rad], where the state has one.
+def restore_saved(rig: Rig, path: Path) -> Floats | None:
+    """Take up a saved state; gives the vessel's attitude (3, 3), where the state has one.
 
     Raises:
         SceneError: it cannot be read, is no saved state, or one of another scene.
@@ -348,7 +351,7 @@ def restore_saved(rig: Rig, path: Path) -> float | None:
             # A state of before scenes were named in it is judged by its size alone.
             scene = str(saved["scene"]) if "scene" in saved else ""
             image = saved["snapshot"].tobytes()
-            heading = float(saved["heading"]) if "heading" in saved else None
+            attitude = saved["attitude"].astype(float) if "attitude" in saved else None
     except OSError as error:
         raise wrong(f"cannot be read ({error.strerror or error})") from error
     except (AttributeError, EOFError, KeyError, TypeError, ValueError, BadZipFile) as error:
@@ -357,4 +360,4 @@ def restore_saved(rig: Rig, path: Path) -> float | None:
         rig.take_image(image, scene)
     except SceneError as error:
         raise wrong("belongs to another scene") from error
-    return heading
+    return attitude

@@ -237,10 +237,10 @@ class SystemRig:
     # -- the state ------------------------------------------------------------------------------
 
     @property
-    def bearing(self) -> float | None:
+    def attitude(self) -> Floats | None:
         return None
 
-    def take_bearing(self, heading: float) -> None:
+    def take_attitude(self, rotation: Floats) -> None:
         """Vessels turn with the state."""
 
     def image(self) -> bytes:

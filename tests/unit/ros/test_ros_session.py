@@ -232,19 +232,20 @@ def test_a_saved_state_goes_on_as_the_model_did(session: Session, tmp_path: Path
         assert saved["position"].shape == (len(saved["s"]), 3)
 
 
-def test_a_saved_state_has_the_vessels_heading(session: Session, tmp_path: Path) -> None:
+def test_a_saved_state_has_the_vessels_attitude(session: Session, tmp_path: Path) -> None:
     """Commands along its bow go on as they did; an initial heading that is given counts more."""
     for _ in range(100):
         session.rig.commands.take_twist(None, "base_link", (0.5, 0, 0), (0, 0, 0.5))
         drive_on(session)
-    heading = session.rig.bearing
-    assert heading == pytest.approx(0.5, abs=0.05)
+    attitude = session.rig.attitude
+    assert math.atan2(attitude[1, 0], attitude[0, 0]) == pytest.approx(0.5, abs=0.05)
     path = session.save().write(tmp_path)
     other = opened(settings(initial_state=str(path)))
-    assert other.rig.bearing == heading
+    np.testing.assert_array_equal(other.rig.attitude, attitude)
     other.reset()
-    assert other.rig.bearing == heading
-    assert opened(settings(initial_state=str(path), initial_heading=2.5)).rig.bearing == 2.5
+    np.testing.assert_array_equal(other.rig.attitude, attitude)
+    given = opened(settings(initial_state=str(path), initial_heading=2.5))
+    assert given.rig.attitude[0, 0] == pytest.approx(math.cos(2.5))
 
 
 def drive_on(session: Session) -> None:

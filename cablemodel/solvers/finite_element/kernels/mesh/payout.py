@@ -132,7 +132,7 @@ def pay_out(I, M, dt):
         if winch.node < 0.0:
             continue
         paid = paid_since(winch, dt)
-        if paid < 0.0:
+        if paid < 0.0 < winch.top_length:
             take_in_rest(edge_of(I, M, top_edge(winch)), 1.0 + paid / winch.top_length)
         winch.travel += paid
         winch.paid = cable_paid(I, M, n)
