@@ -20,8 +20,8 @@ RARE_KERNELS = (
     "consistency", "cuts", "energies", "feet", "firm_friction", "floor_memory", "floor_outputs",
     "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls", "inertia", "interface",
     "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
-    "rings", "rotation", "scales", "shear", "slack", "sleep", "stabilisation", "statics", "stretch",
-    "stations", "summary", "swinging", "tension", "top_element", "touchdown_mesh",
+    "rings", "rotation", "scales", "shear", "slack", "sleep", "stabilisation", "stations",
+    "statics", "stretch", "summary", "swinging", "tension", "top_element", "touchdown_mesh",
     "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""

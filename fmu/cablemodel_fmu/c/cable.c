@@ -170,22 +170,22 @@ static int goes_straight_on(const Cable *cable) {
 static void collect_inputs(Cable *cable, double dt, StepInputs *inputs) {
     memset(inputs, 0, sizeof *inputs);
     const int64_t by = vessel_input(cable), drives = driven(cable);
-    if (goes_straight_on(cable)) {
-        inputs->velocity_given = 1.0;
-        memcpy(inputs->velocity, cable->now.start + 3, sizeof inputs->velocity);
-    } else if (drives & (VELOCITY_SET | POSITION_SET)) {
+    if (drives & (VELOCITY_SET | POSITION_SET)) {
         inputs->velocity_given = by != BY_POSITION;
         inputs->position_given = by != BY_VELOCITY;
     }
     inputs->current_given = (drives & CURRENT_SET) != 0;
     inputs->payout_given = (drives & PAYOUT_SET) != 0;
     for (int i = 0; i < 3; i++) {
-        if (drives & (VELOCITY_SET | POSITION_SET) && inputs->velocity_given != 0.0)
-            inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
+        if (inputs->velocity_given != 0.0) inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
         if (inputs->position_given != 0.0) inputs->position[i] = at_end(cable, VR_POSITION + i, dt);
         if (inputs->current_given != 0.0) inputs->current[i] = at_end(cable, VR_CURRENT + i, dt);
     }
     if (inputs->payout_given != 0.0) inputs->payout_rate = at_end(cable, VR_PAYOUT, dt);
+    if (goes_straight_on(cable)) {
+        inputs->velocity_given = 1.0;
+        memcpy(inputs->velocity, cable->now.start + 3, sizeof inputs->velocity);
+    }
 }
 
 /* How far a position that is reached after dt is from where the start goes on to. */

@@ -2,9 +2,9 @@
 
 Where an element is split its third mode of strain becomes strain of both pieces. A number holds
 that mode, not the cable (stabilisation.py): as strain of the pieces it would become tension that
-nothing carries. At a winch that runs, where elements become longest, what the pieces are strained
-by beyond their tension is their strain at rest: together it lengthens nothing, and it is forgotten
-far more slowly than anything moves. Not elsewhere: friction would keep what is forgotten.
+nothing carries. At a winch that pays out, where elements become longest, what the pieces are
+strained by beyond their tension is their strain at rest: together it lengthens nothing, and it is
+forgotten far more slowly than anything moves. Not elsewhere: friction would keep what is forgotten.
 """
 
 import math
