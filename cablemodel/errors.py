@@ -247,6 +247,25 @@ class UnstableStartWarning(StartWarning):
         )
 
 
+class OverturnedStartWarning(StartWarning):
+    """Bodies do not last as the scene has them, and start turned over, as they fall from there.
+
+    Attributes: ``bodies``, their names.
+    """
+
+    def __init__(self, bodies: list[str]) -> None:
+        super().__init__(bodies)
+        self.bodies = bodies
+
+    def __str__(self) -> str:
+        many = len(self.bodies) > 1
+        return (
+            f"{' and '.join(self.bodies)} start{'' if many else 's'} turned over: as the scene has "
+            f"{'them, they fall' if many else 'it, it falls'} from an unstable equilibrium. Check "
+            "the points at which bodies are held, their centres and foils"
+        )
+
+
 class LogError(CableModelError):
     """A log that cannot be written or read."""
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import copy
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.errors import SceneError, StaticsError, UnstableStartWarning
+from cablemodel.errors import OverturnedStartWarning, SceneError, StaticsError
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import continuation, firm_friction, sea_floor, search
+from cablemodel.solvers.finite_element.start.falling import TIMES, fall
 from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line
@@ -27,7 +30,7 @@ from cablemodel.systems.lays import lays, start, without
 from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
-from cablemodel.systems.stability import instability, is_pressed
+from cablemodel.systems.stability import Instability, instability, is_pressed
 from cablemodel.systems.tables import filled, hold_feet, rest_feet
 from cablemodel.systems.tree import tree_of
 
@@ -46,7 +49,8 @@ def build(scene: SystemScene) -> Built:
         StaticsError: no equilibrium was found, or not within `solver.start_time_limit`.
 
     Warns:
-        UnstableStartWarning: the system leaves it by itself.
+        UnstableStartWarning: the system leaves it by itself, and no other was found.
+        OverturnedStartWarning: another was, in which bodies are turned over.
     """
     with search.searching(scene) as sought:
         try:
@@ -70,7 +74,7 @@ def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Bui
     guess = first_guess(scene, velocity)
     sought.tries("without friction")
     built: Built | None = None
-    leaves: UnstableStartWarning | None = None
+    leaves: Instability | None = None
     try:
         built = _at_rest(scene, sought, guess, velocity, whole)
         leaves = instability(built)
@@ -105,7 +109,14 @@ def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Bui
     if built is None:
         raise failure
     if leaves is not None:
-        warnings.warn(leaves, stacklevel=2)
+        lasts = _lasting(scene, sought, guess, built, leaves, velocity, whole)
+        if lasts is not None:
+            built, leaves = lasts, None
+            overturned = _overturned(built, guess)
+            if overturned:
+                warnings.warn(OverturnedStartWarning(overturned), stacklevel=2)
+    if leaves is not None:
+        warnings.warn(leaves.warning(), stacklevel=2)
     built.unstable = leaves is not None
     if not velocity.any():
         sought.tries("with friction")
@@ -137,6 +148,23 @@ def _at_rest(
             cables = [item.cable for item in line.items if item.cable is not None]
             nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
     built = _solved(scene, nodes, guess, None, velocity, whole)
+    return _refined(scene, sought, guess, built, velocity, whole)
+
+
+def _refined(
+    scene: SystemScene,
+    sought: search.Search,
+    guess: Guess,
+    built: Built,
+    velocity: FloatArray,
+    whole: SystemScene,
+) -> Built:
+    """The same equilibrium on elements that are fine enough for it.
+
+    Raises:
+        StaticsError: none was found.
+    """
+    nodes = built.tree.nodes
     for _round in range(REFINEMENT_ROUNDS):
         finer = refined(scene, nodes, built)
         if finer is None:
@@ -148,6 +176,54 @@ def _at_rest(
         sought.tries("the same on elements that are finer at the touchdown")
         _refine_at_floor(scene, built, velocity)
     return built
+
+
+def _lasting(
+    scene: SystemScene,
+    sought: search.Search,
+    guess: Guess,
+    built: Built,
+    leaves: Instability,
+    velocity: FloatArray,
+    whole: SystemScene,
+) -> Built | None:
+    """A block at the equilibrium to which a system falls from one that does not last; None: it
+    falls to none that does, or swings as it leaves."""
+    sought.tries("where it falls to from there")
+    for _time in range(TIMES):
+        if leaves.frequency != 0.0:
+            return None
+        block = copy.deepcopy(built.block)
+        state = block.scalars
+        friction, state.friction = state.friction, 0.0
+        try:
+            fallen = fall(block, velocity.copy(), leaves.rate, leaves.motion, lambda _block: None)
+            if fallen is None:
+                return None
+            state.friction = friction
+            built = replace(built, block=fallen.block)
+            _come_to_rest(scene, built, velocity)
+            built = _refined(scene, sought, guess, built, velocity, whole)
+        except (StaticsError, search.OutOfTimeError):
+            return None
+        still = instability(built)
+        if still is None:
+            return built
+        leaves = still
+    return None
+
+
+def _overturned(built: Built, guess: Guess) -> list[str]:
+    """Names of bodies whose vertical axis points the other way than at the first guess."""
+    from scipy.spatial.transform import Rotation
+
+    nodes = built.body_nodes()
+    turns = Rotation.from_rotvec(built.block.array(Header.position, built.nodes, 6)[nodes, 3:])
+    rows = built.block.array(Header.free_bodies, len(nodes), at.FREE_WORDS)
+    axes = turns.as_matrix() @ rows[:, at.FreeBody.rotation.span].reshape(-1, 3, 3)
+    upright = np.array([guess.axes[name] for name in built.scene.bodies])
+    over = np.sum(axes[:, :, 2] * upright[:, :, 2], axis=1) < 0.0
+    return [name for name, is_over in zip(built.scene.bodies, over, strict=True) if is_over]
 
 
 def _let_friction_hold(block: Block) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +28,44 @@ FloatArray = NDArray[np.float64]
 Motion = NDArray[np.complex128]
 
 
+@dataclass(frozen=True)
+class Instability:
+    """How a system leaves its start, or its present motion, by itself."""
+
+    rate: float
+    """It grows by exp(rate t) [1/s]."""
+    frequency: float
+    """At which it swings as it grows [rad/s]; 0: it falls."""
+    motion: FloatArray
+    """Of places and slopes of the nodes, or turns of bodies, (nodes, 2, 3), as far as it is real: 1
+    where places move most, upward if they go up or down there."""
+    part: str
+    """The line or the body that moves most."""
+    arc: float
+    """And where, of a line [m]."""
+    time: float
+    """Of the motion [s]; 0: the start."""
+
+    def warning(self) -> UnstableStartWarning:
+        """What is to be told."""
+        return UnstableStartWarning(
+            self.rate, self.arc, part=self.part, frequency=self.frequency, time=self.time
+        )
+
+
 def warn_if_unstable(built: Built) -> bool:
     """Look at a system's start, or at its present motion; returns whether it is unstable.
 
     Warns:
         UnstableStartWarning: it leaves that by itself.
     """
-    warning = instability(built)
-    if warning is not None:
-        warnings.warn(warning, stacklevel=2)
-    return warning is not None
+    found = instability(built)
+    if found is not None:
+        warnings.warn(found.warning(), stacklevel=2)
+    return found is not None
 
 
-def instability(built: Built) -> UnstableStartWarning | None:
+def instability(built: Built) -> Instability | None:
     """How a system leaves its start, or its present motion, by itself; None: it does not. A motion
     changes in the line's own time: what grows beside it has to swing within that, and to be a body
     that foils feed.
@@ -64,19 +90,21 @@ def instability(built: Built) -> UnstableStartWarning | None:
     if found is None:
         return None
     growth, motion = found
-    moves = np.abs(motion).reshape(-1, 2, 3)
+    motion = motion.reshape(-1, 2, 3)
+    moves = np.abs(motion)
     bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
     turns = bodies[:, at.FreeBody.size, None] * moves[built.body_nodes(), 1]
     moves = np.linalg.norm(moves[:, 0], axis=1)
+    furthest = motion[int(np.argmax(moves)), 0]
+    motion = motion / furthest[np.argmax(np.abs(furthest))]
     moves[built.body_nodes()] += np.linalg.norm(turns, axis=1)
     part, arc = built.where(int(np.argmax(moves)))
     if block.scalars.time > 0.0:
         body = built.scene.bodies.get(part)
         if body is None or not body.foils:
             return None
-    return UnstableStartWarning(
-        growth.real, arc, part=part, frequency=abs(growth.imag), time=float(block.scalars.time)
-    )
+    time = float(block.scalars.time)
+    return Instability(growth.real, abs(growth.imag), motion.real.copy(), part, arc, time)
 
 
 def is_pressed(built: Built) -> bool:

@@ -86,6 +86,8 @@ class Element:
 class Tree:
     """Nodes, each with what ties it to its parent."""
 
+    nodes: dict[str, list[FloatArray]] = field(default_factory=dict)
+    """Arc lengths of every line's nodes along each of its cables [m]."""
     parent: list[int] = field(default_factory=list)
     joint: list[int] = field(default_factory=list)
     segments: list[Segment] = field(default_factory=list)
@@ -123,7 +125,7 @@ class _Builder:
     def __init__(self, scene: SystemScene, nodes: dict[str, list[FloatArray]]) -> None:
         self.scene = scene
         self.nodes = nodes
-        self.tree = Tree()
+        self.tree = Tree(nodes)
         self.placed: set[str] = set()
         self.chains = 0
 

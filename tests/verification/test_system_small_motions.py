@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import cablemodel as cm
 from benchmarks.random_systems import scene_of
 from cablemodel.cli import app
-from cablemodel.errors import UnstableStartWarning
+from cablemodel.errors import OverturnedStartWarning, UnstableStartWarning
 from cablemodel.solvers import library
 from cablemodel.solvers.finite_element.linearisation import (
     free_motions,
@@ -22,7 +22,7 @@ from cablemodel.solvers.finite_element.linearisation import (
     small_motions,
 )
 from cablemodel.solvers.finite_element.stability import slowest_growth
-from cablemodel.systems import SystemModel
+from cablemodel.systems import SystemModel, build
 from tests.verification.test_system_clamps import cage, two_parallel_beams
 from tests.verification.test_system_cycles import two_bars
 from tests.verification.test_systems import G, hung_bar, in_vacuum, string
@@ -61,7 +61,25 @@ def squares(height: float) -> np.ndarray:
     return -eigh(np.diag([mass * G * length, -mass * G * height]), inertias, eigvals_only=True)
 
 
-def test_a_body_that_stands_on_its_string_is_warned_of() -> None:
+def test_a_body_that_stands_on_its_string_starts_hanging_and_is_warned_of() -> None:
+    with pytest.warns(OverturnedStartWarning, match="bar starts turned over"):
+        model = SystemModel(body_on_a_string(0.4))
+    hanging = SystemModel(body_on_a_string(-0.4))
+    found, expected = model.natural_frequencies(6), hanging.natural_frequencies(6)
+    assert found == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    up = model.bodies["bar"].axes[:, 2]
+    assert up == pytest.approx([0, 0, -1], abs=1e-6)
+    assert model.bodies["bar"].position == pytest.approx([0, 0, -5.4], abs=1e-2)
+
+
+@pytest.fixture
+def falls_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Starts stay where they do not last."""
+    monkeypatch.setattr(build, "_lasting", lambda *_arguments: None)
+
+
+@pytest.mark.usefixtures("falls_nowhere")
+def test_the_growth_of_a_body_that_stands_on_its_string() -> None:
     with pytest.warns(UnstableStartWarning, match="unstable equilibrium") as caught:
         SystemModel(body_on_a_string(0.4))
     (warning,) = (w.message for w in caught if isinstance(w.message, UnstableStartWarning))
@@ -206,6 +224,27 @@ def test_what_looks_at_a_start_grows_as_the_system() -> None:
     assert counts[1] == [4 * entries for entries in counts[0]]
 
 
+@pytest.mark.parametrize("speed", [1.25, 1.5, 1.75])
+def test_a_depressor_starts_upright(speed: float) -> None:
+    """At 1.5 m/s its relaxation tumbles and ends upside down, from where it falls; upright the wing
+    pulls down."""
+    scene = cm.load_system(SCENES / "depressor.yaml").to_dict()
+    scene["vessels"]["ship"]["velocity"] = [speed, 0, 0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = SystemModel(scene)
+    scene["vessels"]["ship"]["velocity"] = [
+        {"t": 0, "velocity": [2.0, 0, 0]},
+        {"t": 30, "velocity": [speed, 0, 0]},
+    ]
+    slowed = SystemModel(scene)
+    slowed.step(1200.0)
+    tension = slowed.lines["wire"].start_tension
+    assert model.lines["wire"].start_tension == pytest.approx(tension, rel=1e-3)
+    assert model.bodies["depressor"].axes[2, 2] > 0.9
+
+
+@pytest.mark.usefixtures("falls_nowhere")
 def test_check_lists_it(tmp_path) -> None:
     import yaml
 
@@ -271,6 +310,7 @@ def all_lines(name: str, factor: float) -> dict:
         (all_lines("anchor_last", 1.0), 0),
     ],
 )
+@pytest.mark.usefixtures("falls_nowhere")
 @pytest.mark.filterwarnings("ignore::cablemodel.errors.UnstableStartWarning")
 def test_the_kernels_count_what_grows_as_dense_matrices_do(source, growing) -> None:
     model = SystemModel(source)

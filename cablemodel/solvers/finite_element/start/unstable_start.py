@@ -2,8 +2,8 @@
 
 A relaxation's long steps damp what grows, too, and may end where a column stands upright or a clamp
 has turned a line back further than it stays. Such a start is pushed a little along the motion that
-grows fastest, to the side behind the vessel, and followed by implicit steps, each from rest and so
-short that nothing grows faster than they last, on elements that become shorter where it bends.
+grows fastest, to the side behind the vessel, and followed (falling.py) on elements that become
+shorter where it bends.
 What falls too far for that, as a line that floats under a sinker, begins anew from where weights
 draw it; or falls to the other side.
 """
@@ -31,6 +31,7 @@ from cablemodel.solvers.finite_element.stability import (
     slowest_growth,
 )
 from cablemodel.solvers.finite_element.start import search
+from cablemodel.solvers.finite_element.start.falling import TIMES, fall
 from cablemodel.solvers.finite_element.start.first_shape import drawn_by_weight, graded
 from cablemodel.solvers.finite_element.start.first_state import count_from_zero, steady_velocity
 from cablemodel.solvers.finite_element.start.frame import earth, local
@@ -38,7 +39,7 @@ from cablemodel.solvers.finite_element.start.laid_loads import behind, water_vel
 from cablemodel.solvers.finite_element.start.laid_shape import Guess
 from cablemodel.solvers.finite_element.start.refinement import guess_of, refined
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -47,20 +48,6 @@ FloatArray = NDArray[np.float64]
 Nodes = list[FloatArray]
 """Arc lengths of the nodes of every cable [m], each from 0 to its length."""
 
-PUSH = 1e-3
-"""How far the line is pushed off, in units of its length, at most."""
-UNSTABLE_TURN = 0.05
-"""How far a slope is turned by that, at most."""
-UNSTABLE_SHARE = 0.7
-"""The first step, in units of the time in which the motion grows by e."""
-UNSTABLE_STEPS = 100
-"""To the next equilibrium, at most."""
-UNSTABLE_SHORTEST = 1e-4
-"""Step in units of the first one, below which there is no way on."""
-AT_REST = 1e-6
-"""What a long step moves a line by that has come to rest, in units of its length."""
-TIMES = 3
-"""Equilibria that are left in turn, at most."""
 LARGEST_MESH = 60, 4.0
 """Nodes on the way, at most: so many, and times those of the equilibrium that is left."""
 
@@ -175,53 +162,18 @@ def _fall(
     standing: Block, scene: Scene, ways: Ways, growing: GrowingMotion, side: float
 ) -> Block | None:
     """Push a line off its equilibrium and follow it till it rests; None: it does not, or folds."""
-    block = copy.deepcopy(standing)
-    frame = steady_velocity(block, scene)
-    length = float(block.scalars.length)
-    slowest = slowest_growth(block)
-    turned = float(np.linalg.norm(growing.motion[:, 1], axis=1).max())
-    motion = _motion_of(block)
-    motion += side * min(PUSH * length, UNSTABLE_TURN / max(turned, 1e-300)) * growing.motion
-    dt = UNSTABLE_SHARE / growing.rate
-    shortest = UNSTABLE_SHORTEST * dt
-    for _step in range(UNSTABLE_STEPS):
-        while dt > shortest and not is_held(block, 1.0 / dt):
-            dt *= 0.5
-        before = motion.copy()
-        _step_from_rest(block, frame, dt)
-        moved = float(np.linalg.norm(motion[:, 0] - before[:, 0], axis=1).max())
-        if moved == 0.0:  # it did not converge, or not without a fold
-            finer = refined(block, scene, _nodes_of(block, scene))
-            if finer is not None:
-                if _is_too_fine(finer, standing):
-                    return None
-                block = ways.stand(finer, guess_of(block, scene))
-                motion = _motion_of(block)
-            dt *= 0.25
-            if dt < shortest:
-                return None
-        elif dt * slowest > 1.0 and moved < AT_REST * length:
-            return block
-        elif is_held(block, 0.5 / dt):
-            dt *= 2.0
-    return None
 
+    def finer(block: Block) -> Block | None:
+        nodes = refined(block, scene, _nodes_of(block, scene))
+        if nodes is None:
+            return None
+        if _is_too_fine(nodes, standing):
+            raise StaticsError("its way off an equilibrium wants too fine a mesh")
+        return ways.stand(nodes, guess_of(block, scene))
 
-def _step_from_rest(block: Block, frame: FloatArray, dt: float) -> None:
-    """One implicit step [s] with everything that depends on time as it is; or none, in place."""
-    ints, reals = block.ints, block.reals
-    head = Header(ints)
-    state = Scalars(reals)
-    kept = int(head.maximum_steps), float(state.first_step)
-    head.maximum_steps, state.first_step = 1, dt
-    search.equilibrium(block, frame)
-    head.maximum_steps, state.first_step = kept
-
-
-def _motion_of(block: Block) -> FloatArray:
-    """Places and slopes of the nodes, a view (nodes, 2, dimension) [m, -]."""
-    dimension = int(block.header.dimension)
-    return block.array(Header.position, int(block.header.nodes), 2, dimension)
+    frame = steady_velocity(standing, scene)
+    fallen = fall(copy.deepcopy(standing), frame, growing.rate, side * growing.motion, finer)
+    return fallen.block if fallen is not None and fallen.rests else None
 
 
 def _nodes_of(block: Block, scene: Scene) -> Nodes:
