@@ -24,7 +24,6 @@ from benchmarks.sections import read_rows, table, write_part, write_rows
 from cablemodel.solvers.direct import library
 from cablemodel.solvers.direct.build import build
 from cablemodel.solvers.direct.kernels import layout as own
-from cablemodel.solvers.direct.kernels.layout import RHS_WORDS
 from tests.verification import direct_scenes, scenes
 from tests.verification.references import tables
 
@@ -113,21 +112,23 @@ def dense_rows(block: Any, slots: int) -> tuple[Floats, Floats, list[int]]:
     shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
     left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH)
     right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH)
-    rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
-    first = np.concatenate([[0], np.cumsum(shape[: slots - 1, 2])])
-    rows = np.concatenate([[0], np.cumsum(shape[:, 0])])
+    rhs = block.array(own.OwnHeader.rhs, slots, own.RHS_WORDS)
+    first = np.concatenate([[0], np.cumsum(shape[: slots - 1, own.SlotShape.right])])
+    rows = np.concatenate([[0], np.cumsum(shape[:, own.SlotShape.rows])])
     size = int(rows[-1])
     entries: list[tuple[int, int, float]] = []
     b = np.zeros(size)
     for slot in range(slots):
-        for i in range(shape[slot, 0]):
+        for i in range(shape[slot, own.SlotShape.rows]):
             row = int(rows[slot]) + i
             b[row] = rhs[slot, i]
             entries += [
-                (row, int(first[slot - 1]) + j, left[slot, i, j]) for j in range(shape[slot, 1])
+                (row, int(first[slot - 1]) + j, left[slot, i, j])
+                for j in range(shape[slot, own.SlotShape.left])
             ]
             entries += [
-                (row, int(first[slot]) + j, right[slot, i, j]) for j in range(shape[slot, 2])
+                (row, int(first[slot]) + j, right[slot, i, j])
+                for j in range(shape[slot, own.SlotShape.right])
             ]
     below = max(r - c for r, c, _ in entries)
     above = max(c - r for r, c, _ in entries)
@@ -154,18 +155,18 @@ def unsuppressed(block: Any, slots: int) -> Floats:
     shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
     left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH)
     right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH)
-    rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
-    n = int(shape[0, 2])
-    conditions = right[0, : shape[0, 0], :n]
-    start = np.linalg.lstsq(conditions, rhs[0, : shape[0, 0]], rcond=None)[0]
-    basis = np.linalg.svd(conditions)[2][shape[0, 0] :].T
+    rhs = block.array(own.OwnHeader.rhs, slots, own.RHS_WORDS)
+    n = int(shape[0, own.SlotShape.right])
+    conditions = right[0, : shape[0, own.SlotShape.rows], :n]
+    start = np.linalg.lstsq(conditions, rhs[0, : shape[0, own.SlotShape.rows]], rcond=None)[0]
+    basis = np.linalg.svd(conditions)[2][shape[0, own.SlotShape.rows] :].T
     values = [np.column_stack([start, basis])]
     for slot in range(1, slots - 1):
         source = -left[slot, :n, :n] @ values[-1]
         source[:, 0] += rhs[slot, :n]
         values.append(np.linalg.solve(right[slot, :n, :n], source))
-    end = left[slots - 1, : shape[slots - 1, 0], :n]
-    goal = rhs[slots - 1, : shape[slots - 1, 0]] - end @ values[-1][:, 0]
+    end = left[slots - 1, : shape[slots - 1, own.SlotShape.rows], :n]
+    goal = rhs[slots - 1, : shape[slots - 1, own.SlotShape.rows]] - end @ values[-1][:, 0]
     z = np.linalg.lstsq(end @ values[-1][:, 1:], goal, rcond=None)[0]
     return np.concatenate([value[:, 0] + value[:, 1:] @ z for value in values])
 
@@ -179,8 +180,8 @@ def linear_solvers() -> Table:
         block, slots = system(model, planar, 30)
         random = np.random.default_rng(1)
         shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS).copy()
-        rhs = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
-        rhs[:, :10] = random.normal(size=(slots, 10))
+        rhs = block.array(own.OwnHeader.rhs, slots, own.RHS_WORDS)
+        rhs[:, : own.WIDTH] = random.normal(size=(slots, own.WIDTH))
         band, b, widths = dense_rows(block, slots)
         exact = solve_banded(widths, band, b).astype(np.longdouble)
         for _ in range(5):
@@ -198,14 +199,16 @@ def linear_solvers() -> Table:
         ):
             block.ints[own.OwnHeader.method] = method
             library.solve(block.ints, block.reals, slots)
-            change = block.array(own.OwnHeader.delta, slots, 20)
-            found = np.concatenate([change[k, : shape[k, 2]] for k in range(slots - 1)])
+            change = block.array(own.OwnHeader.delta, slots, 2, own.WIDTH)
+            found = np.concatenate(
+                [change[k, 0, : shape[k, own.SlotShape.right]] for k in range(slots - 1)]
+            )
             errors[name] = float(np.abs(found - exact).max()) / largest
             costs[name] = long_line_cost(model, planar, method)
         costs["banded"] = banded_cost(model, planar)
         rows.append(
             [
-                f"{model}, {'plane' if planar else 'space'} ({shape[0, 2]})",
+                f"{model}, {'plane' if planar else 'space'} ({shape[0, own.SlotShape.right]})",
                 *(f"{1e6 * costs[k]:.2f}" for k in ("superposition", "elimination", "banded")),
                 f"{costs['superposition'] / costs['elimination']:.2f}",
                 *(

@@ -84,8 +84,8 @@ WORDS = {
     "solvers/direct/kernels/assembly.py": (
         "_FULL _FLEXIBLE _PLANAR _VELOCITIES _FORCES _ANGLES _CURVATURES"
     ),
-    "solvers/direct/kernels/elimination.py": "COLUMNS",
-    "solvers/direct/kernels/superposition.py": "COLUMNS HALF",
+    "solvers/direct/kernels/history.py": "STRAIN",
+    "solvers/direct/kernels/superposition.py": "SIDES",
     "solvers/estimating.py": "_TENSION _LENGTH",
 }
 """Places in memory, masks, cases, and coefficients of series: they steer nothing."""

@@ -13,7 +13,6 @@ from cablemodel.solvers.direct import library
 from cablemodel.solvers.direct.build import build
 from cablemodel.solvers.direct.kernels import layout as own
 from cablemodel.solvers.direct.kernels.entry import ENTRY_POINTS
-from cablemodel.solvers.direct.kernels.layout import RHS_WORDS
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.compile import OPTIONS
 from tests.verification import direct_scenes as scenes
@@ -94,8 +93,9 @@ def test_newton_matrix_is_the_derivative_of_the_residual(name, planar):
     shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS).copy()
     left = block.array(own.OwnHeader.left, slots, own.WIDTH, own.WIDTH).copy()
     right = block.array(own.OwnHeader.right, slots, own.WIDTH, own.WIDTH).copy()
-    rows = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
-    scales = np.where(rows[:, 20:30] > 0.0, rows[:, 20:30], 1.0)
+    rows = block.array(own.OwnHeader.rhs, slots, own.RHS_WORDS)
+    divisors = rows[:, own.SlotSides.scales.span]
+    scales = np.where(divisors > 0.0, divisors, 1.0)
     kinds = {own.CABLE: {own.V1, own.V2, own.V3, own.PHI, own.THETA, own.F3}}
     for section in block.integers(
         own.OwnHeader.sections, block.ints[own.OwnHeader.section_count], own.SECTION_WORDS
@@ -112,11 +112,11 @@ def test_newton_matrix_is_the_derivative_of_the_residual(name, planar):
                 for sign in (1.0, -1.0):
                     y[node, unknown] = kept + sign * step
                     library.assemble(block.ints, block.reals)
-                    values.append(rows[:, :10] * rows[:, 20:30])
+                    values.append(rows[:, : own.WIDTH] * divisors)
                 y[node, unknown] = kept
                 slope = -(values[0] - values[1]) / (2.0 * step) * scale / scales
                 for slot, matrix in ((node, right), (node + 1, left)):
-                    count = shape[slot, 0]
+                    count = shape[slot, own.SlotShape.rows]
                     found = matrix[slot, :count, column]
                     assert found == pytest.approx(slope[slot, :count], abs=2e-5), (slot, unknown)
 
@@ -127,8 +127,8 @@ def test_superposition_and_elimination_solve_the_same_system(name, planar):
     """Round-off apart, with both meeting points: at the hybrid's joint and at the far end."""
     block, _y, _used = disturbed(LINES[name], planar)
     slots = library.assemble(block.ints, block.reals)
-    rows = block.array(own.OwnHeader.rhs, slots, RHS_WORDS)
-    rows[:, :10] = np.random.default_rng(3).normal(size=(slots, 10))
+    rows = block.array(own.OwnHeader.rhs, slots, own.RHS_WORDS)
+    rows[:, : own.WIDTH] = np.random.default_rng(3).normal(size=(slots, 10))
     found = []
     for method, meeting in (
         (own.ELIMINATION, 0),
@@ -144,8 +144,9 @@ def test_superposition_and_elimination_solve_the_same_system(name, planar):
         block.ints[own.OwnHeader.method] = method
         assert library.solve(block.ints, block.reals, slots) == at.OK
         shape = block.integers(own.OwnHeader.shape, slots, own.SHAPE_WORDS)
-        change = block.array(own.OwnHeader.delta, slots, 20)
-        found.append(np.concatenate([change[n, : shape[n, 2]] for n in range(slots - 1)]))
+        change = block.array(own.OwnHeader.delta, slots, 2, own.WIDTH)
+        unknowns = shape[:, own.SlotShape.right]
+        found.append(np.concatenate([change[n, 0, : unknowns[n]] for n in range(slots - 1)]))
     for other in found[1:]:
         assert other == pytest.approx(found[0], rel=1e-6, abs=1e-8 * np.abs(found[0]).max())
 

@@ -67,8 +67,8 @@ class DirectBlock(WordBlock):
             (own.OwnHeader.length.place, nodes),
             (own.OwnHeader.flow.place, nodes),
             (own.OwnHeader.share.place, nodes),
-            (own.OwnHeader.place.place, nodes * 3),
-            (own.OwnHeader.strains.place, nodes * 2),
+            (own.OwnHeader.place.place, nodes * own.PLACE_WORDS),
+            (own.OwnHeader.strains.place, nodes * own.STRAIN_WORDS),
             (Header.winches.word, at.WINCH_WORDS),
             (Header.lines.word, at.LINE_WORDS),
         ]
@@ -84,7 +84,7 @@ class DirectBlock(WordBlock):
             (own.OwnHeader.start.place, nodes * own.WIDTH),
             (own.OwnHeader.old_length.place, nodes),
             # The water's velocities at the nodes, then its accelerations.
-            (own.OwnHeader.currents.place, nodes * 6),
+            (own.OwnHeader.currents.place, nodes * 2 * own.WATER_WORDS),
             (own.OwnHeader.left.place, slots * own.BLOCK),
             (own.OwnHeader.right.place, slots * own.BLOCK),
             (own.OwnHeader.rhs.place, slots * own.RHS_WORDS),

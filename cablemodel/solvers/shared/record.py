@@ -100,6 +100,12 @@ class Several(Field):
         record._words[start : start + self.words] = value
 
 
+class Integers(Several):
+    """Whole numbers, one after another."""
+
+    kind = INTEGER
+
+
 class Part(Field):
     """A record within the record."""
 
@@ -136,6 +142,11 @@ def real(meaning: str, unit: str = "") -> Real:
 def reals(words: int, meaning: str, unit: str = "") -> Several:
     """So many numbers."""
     return Several(meaning, unit, words)
+
+
+def integers(words: int, meaning: str) -> Integers:
+    """So many whole numbers."""
+    return Integers(meaning, words=words)
 
 
 def text(words: int, meaning: str) -> Text:

@@ -9,7 +9,20 @@ Rows are divided by their largest entry. Conditions at ends and joints are few: 
 are taken by differences; those of the field equations are exact.
 """
 
-from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
+from cablemodel.solvers.shared.compile import view
+
+from .access import (
+    assembly_work,
+    material_row,
+    own_header,
+    own_scalars,
+    rigid_body_of,
+    section_of,
+    shape_of,
+    sides_of,
+    strain_of,
+    unknowns_of,
+)
 from .bodies import rigid_rows
 from .compile import kernel
 from .field import field_rows, set_strain
@@ -24,9 +37,7 @@ from .layout import (
     K1,
     K2,
     PHI,
-    RHS_WORDS,
     RIGID,
-    SHAPE_WORDS,
     THETA,
     V1,
     V2,
@@ -111,28 +122,30 @@ def residual_of(I, M, slot_kind, index, out):
 
 
 @kernel
-def differences(I, M, slot_kind, index, node, active, rows, out, at):
-    """Derivatives of such a slot by the unknowns of one node, scaled by them, into M[at:]."""
+def differences(I, M, slot_kind, index, node, active, rows, matrix):
+    """Derivatives of such a slot by the unknowns of one node, scaled by them, into a matrix."""
     own = own_header(I)
     run = own_scalars(M)
-    base = M[own.work : own.work + 16]
+    found = assembly_work(I, M, 0)
+    base = found.residual
+    out = found.other_residual
     residual_of(I, M, slot_kind, index, base)
-    y = own.unknowns + WIDTH * node
+    y = view(M, own.unknowns + WIDTH * node, WIDTH)
     column = 0
     for j in range(WIDTH):
         if (active >> j) & 1 == 0:
             continue
-        kept = M[y + j]
+        kept = y[j]
         scale = run.scale[j]
         step = _DIFFERENCE * max(abs(kept), scale)
-        M[y + j] = kept + step
-        step = M[y + j] - kept
+        y[j] = kept + step
+        step = y[j] - kept
         residual_of(I, M, slot_kind, index, out)
-        M[y + j] = kept
+        y[j] = kept
         row = 0
         for i in range(WIDTH):
             if (rows >> i) & 1:
-                M[at + WIDTH * row + column] = (out[i] - base[i]) * scale / step
+                matrix[WIDTH * row + column] = (out[i] - base[i]) * scale / step
                 row += 1
         column += 1
 
@@ -141,52 +154,54 @@ def differences(I, M, slot_kind, index, node, active, rows, out, at):
 def scale_rows(I, M, slot, rows, left, right):
     """Divide the rows of a slot by their largest entry; the divisors are kept."""
     own = own_header(I)
-    at = own.rhs + RHS_WORDS * slot
+    on_left = view(M, own.left + BLOCK * slot, BLOCK)
+    on_right = view(M, own.right + BLOCK * slot, BLOCK)
+    sides = sides_of(I, M, slot)
     for i in range(rows):
         largest = 0.0
         for j in range(left):
-            largest = max(largest, abs(M[own.left + BLOCK * slot + WIDTH * i + j]))
+            largest = max(largest, abs(on_left[WIDTH * i + j]))
         for j in range(right):
-            largest = max(largest, abs(M[own.right + BLOCK * slot + WIDTH * i + j]))
+            largest = max(largest, abs(on_right[WIDTH * i + j]))
         if largest == 0.0:
             largest = 1.0
-        M[at + 2 * WIDTH + i] = largest
+        sides.scales[i] = largest
         for j in range(left):
-            M[own.left + BLOCK * slot + WIDTH * i + j] /= largest
+            on_left[WIDTH * i + j] /= largest
         for j in range(right):
-            M[own.right + BLOCK * slot + WIDTH * i + j] /= largest
-        M[at + i] /= largest
+            on_right[WIDTH * i + j] /= largest
+        sides.sides[i] /= largest
 
 
 @kernel
 def special_slot(I, M, slot_kind, index, slot, rows, left_node, left, right_node, right, column):
     """Fill a slot of the vessel, a joint, the far end or a rigid body; see `fill_system`."""
     own = own_header(I)
-    out = M[own.work + 16 : own.work + 32]
-    at = own.rhs + RHS_WORDS * slot
+    out = assembly_work(I, M, 0).other_residual
+    sides = sides_of(I, M, slot)
     if column == 0:
         if left != 0:
-            place = own.left + BLOCK * slot
-            differences(I, M, slot_kind, index, left_node, left, rows, out, place)
+            matrix = view(M, own.left + BLOCK * slot, BLOCK)
+            differences(I, M, slot_kind, index, left_node, left, rows, matrix)
         if right != 0:
-            place = own.right + BLOCK * slot
-            differences(I, M, slot_kind, index, right_node, right, rows, out, place)
+            matrix = view(M, own.right + BLOCK * slot, BLOCK)
+            differences(I, M, slot_kind, index, right_node, right, rows, matrix)
     residual_of(I, M, slot_kind, index, out)
     count = 0
     for i in range(WIDTH):
         if (rows >> i) & 1:
-            M[at + WIDTH * column + count] = -out[i]
+            sides.sides[WIDTH * column + count] = -out[i]
             count += 1
     if column == 0:
-        shape = own.shape + SHAPE_WORDS * slot
-        I[shape] = count
-        I[shape + 1] = count_bits(left)
-        I[shape + 2] = count_bits(right)
-        I[shape + 3] = 1 if slot_kind == 3 else 0
-        scale_rows(I, M, slot, count, I[shape + 1], I[shape + 2])
+        shape = shape_of(I, M, slot)
+        shape.rows = count
+        shape.left = count_bits(left)
+        shape.right = count_bits(right)
+        shape.interval = 1 if slot_kind == 3 else 0
+        scale_rows(I, M, slot, count, shape.left, shape.right)
     else:
         for i in range(count):
-            M[at + WIDTH * column + i] /= M[at + 2 * WIDTH + i]
+            sides.sides[WIDTH * column + i] /= sides.scales[i]
 
 
 @kernel
@@ -196,31 +211,30 @@ def interval_slot(I, M, kind, material, active, slot, column):
     run = own_scalars(M)
     left = slot - 1
     h = M[own.length + slot]
-    work = own.work
-    mid = work + 32
-    dif = mid + BLOCK
-    both = dif + BLOCK
-    F = M[work : work + WIDTH]
-    field_rows(I, M, kind, material, left, h, F, 0, mid, dif, both)
-    at = own.rhs + RHS_WORDS * slot
+    found = assembly_work(I, M, 0)
+    mid = found.by_middle
+    dif = found.by_difference
+    stretch = found.by_stretch
+    stretch_s = found.by_stretch_slope
+    field_rows(I, M, kind, material, left, h, found)
+    sides = sides_of(I, M, slot)
     if column != 0:
         row = 0
         for i in range(WIDTH):
             if (active >> i) & 1:
-                scale = M[at + 2 * WIDTH + row]
-                M[at + WIDTH * column + row] = -F[i] / scale
+                sides.sides[WIDTH * column + row] = -found.residual[i] / sides.scales[row]
                 row += 1
         return
-    slope_left = M[own.strains + 2 * left + 1]
-    slope_right = M[own.strains + 2 * left + 3]
+    slope_left = strain_of(I, M, left).slope
+    slope_right = strain_of(I, M, slot).slope
     for i in range(WIDTH):
         # The stretch at the middle and its difference follow the tensions at both nodes.
-        half = 0.5 * M[both + i]
-        steep = M[both + WIDTH + i] / h
-        M[both + i] = slope_left * (half - steep)
-        M[both + WIDTH + i] = slope_right * (half + steep)
-    left_at = own.left + BLOCK * slot
-    right_at = own.right + BLOCK * slot
+        half = 0.5 * stretch[i]
+        steep = stretch_s[i] / h
+        stretch[i] = slope_left * (half - steep)
+        stretch_s[i] = slope_right * (half + steep)
+    on_left = view(M, own.left + BLOCK * slot, BLOCK)
+    on_right = view(M, own.right + BLOCK * slot, BLOCK)
     row = 0
     for i in range(WIDTH):
         if (active >> i) & 1 == 0:
@@ -229,24 +243,24 @@ def interval_slot(I, M, kind, material, active, slot, column):
         for j in range(WIDTH):
             if (active >> j) & 1 == 0:
                 continue
-            half = 0.5 * M[mid + WIDTH * i + j]
-            steep = M[dif + WIDTH * i + j] / h
+            half = 0.5 * mid[WIDTH * i + j]
+            steep = dif[WIDTH * i + j] / h
             by_left = half - steep
             by_right = half + steep
             if j == F3:
-                by_left += M[both + i]
-                by_right += M[both + WIDTH + i]
+                by_left += stretch[i]
+                by_right += stretch_s[i]
             scale = run.scale[j]
-            M[left_at + WIDTH * row + column_at] = by_left * scale
-            M[right_at + WIDTH * row + column_at] = by_right * scale
+            on_left[WIDTH * row + column_at] = by_left * scale
+            on_right[WIDTH * row + column_at] = by_right * scale
             column_at += 1
-        M[at + row] = -F[i]
+        sides.sides[row] = -found.residual[i]
         row += 1
-    shape = own.shape + SHAPE_WORDS * slot
-    I[shape] = row
-    I[shape + 1] = row
-    I[shape + 2] = row
-    I[shape + 3] = 1
+    shape = shape_of(I, M, slot)
+    shape.rows = row
+    shape.left = row
+    shape.right = row
+    shape.interval = 1
     scale_rows(I, M, slot, row, row, row)
 
 
@@ -258,12 +272,13 @@ def set_strains(I, M):
         section = section_of(I, M, index)
         first = section.first
         for node in range(first, first + section.count):
+            at = strain_of(I, M, node)
             if section.kind == RIGID:
-                M[own.strains + 2 * node] = 0.0
-                M[own.strains + 2 * node + 1] = 0.0
+                at.strain = 0.0
+                at.slope = 0.0
             else:
-                tension = M[own.unknowns + WIDTH * node + F3]
-                set_strain(M, own.strains, node, material_row(I, M, section.material), tension)
+                tension = unknowns_of(I, M, node).f3
+                set_strain(M, at, material_row(I, M, section.material), tension)
 
 
 @kernel

@@ -4,24 +4,11 @@ import math
 
 from cablemodel.solvers.shared.access import header, motion_piece_of, polynomial_at, scalars
 
-from .access import own_header, own_scalars, rigid_body_of, section_of
+from .access import own_header, own_scalars, rigid_body_of, section_of, unknowns_of
 from .compile import kernel
 from .frame import to_fixed, to_local
 from .geometry import last_node
-from .layout import (
-    F1,
-    F2,
-    F3,
-    K1,
-    K2,
-    PHI,
-    RIGID,
-    THETA,
-    V1,
-    V2,
-    V3,
-    WIDTH,
-)
+from .layout import RIGID
 
 NEAR_POLE = 0.25
 """sin(theta) below which the axes are turned about the vertical, if that helps."""
@@ -85,9 +72,9 @@ def turn_axes(I, M):
     now = 1.0
     then = 1.0
     for node in range(count):
-        y = own.unknowns + WIDTH * node
-        s = math.sin(M[y + THETA])
-        _t1, t2, _t3 = to_fixed(M[y + PHI], M[y + THETA], 0.0, 0.0, 1.0)
+        y = unknowns_of(I, M, node)
+        s = math.sin(y.theta)
+        _t1, t2, _t3 = to_fixed(y.phi, y.theta, 0.0, 0.0, 1.0)
         now = min(now, abs(s))
         then = min(then, math.sqrt(max(0.0, 1.0 - t2 * t2)))
     if now > NEAR_POLE or then < 2.0 * now:
@@ -95,24 +82,24 @@ def turn_axes(I, M):
     turn_bodies(I, M)
     near = 0.0
     for node in range(count):
-        y = own.unknowns + WIDTH * node
-        phi = M[y + PHI]
-        theta = M[y + THETA]
+        y = unknowns_of(I, M, node)
+        phi = y.phi
+        theta = y.theta
         new_phi, new_theta = turned(phi, theta, near)
         near = new_phi
-        a, b, c = turn_vector(phi, theta, new_phi, new_theta, M[y + V1], M[y + V2], M[y + V3])
-        M[y + V1] = a
-        M[y + V2] = b
-        M[y + V3] = c
-        a, b, c = turn_vector(phi, theta, new_phi, new_theta, M[y + F1], M[y + F2], M[y + F3])
-        M[y + F1] = a
-        M[y + F2] = b
-        M[y + F3] = c
-        a, b, c = turn_vector(phi, theta, new_phi, new_theta, M[y + K1], M[y + K2], 0.0)
-        M[y + K1] = a
-        M[y + K2] = b
-        M[y + PHI] = new_phi
-        M[y + THETA] = new_theta
+        a, b, c = turn_vector(phi, theta, new_phi, new_theta, y.v1, y.v2, y.v3)
+        y.v1 = a
+        y.v2 = b
+        y.v3 = c
+        a, b, c = turn_vector(phi, theta, new_phi, new_theta, y.f1, y.f2, y.f3)
+        y.f1 = a
+        y.f2 = b
+        y.f3 = c
+        a, b, c = turn_vector(phi, theta, new_phi, new_theta, y.k1, y.k2, 0.0)
+        y.k1 = a
+        y.k2 = b
+        y.phi = new_phi
+        y.theta = new_theta
     px = state.plane[0]
     state.plane[0] = state.plane[1]
     state.plane[1] = -px
@@ -125,7 +112,7 @@ def turn_axes(I, M):
     for end in range(2):
         if own.clamped & (1 << end):
             node = 0 if end == 0 else count - 1
-            near = M[own.unknowns + WIDTH * node + PHI]
+            near = unknowns_of(I, M, node).phi
             new_phi, new_theta = turned(run.clamp[2 * end], run.clamp[2 * end + 1], near)
             run.clamp[2 * end] = new_phi
             run.clamp[2 * end + 1] = new_theta
@@ -152,9 +139,9 @@ def turn_bodies(I, M):
         if section.kind != RIGID:
             continue
         rigid = rigid_body_of(I, M, section.body)
-        y = own.unknowns + WIDTH * section.first
-        phi = M[y + PHI]
-        theta = M[y + THETA]
+        y = unknowns_of(I, M, section.first)
+        phi = y.phi
+        theta = y.theta
         new_phi, new_theta = turned(phi, theta, 0.0)
         a, b, c = turn_vector(
             phi, theta, new_phi, new_theta, rigid.state[0], rigid.state[1], rigid.state[2]

@@ -10,10 +10,9 @@ import math
 
 from cablemodel.solvers.shared.access import header, scalars
 
-from .access import own_header, own_scalars
+from .access import own_scalars, past_of, unknowns_of, water_of
 from .compile import kernel
 from .frame import to_fixed, to_local
-from .geometry import surge_word
 from .layout import (
     F1,
     F2,
@@ -21,12 +20,10 @@ from .layout import (
     K1,
     K2,
     PHI,
-    RATES,
     THETA,
     V1,
     V2,
     V3,
-    WIDTH,
 )
 
 
@@ -36,23 +33,22 @@ def point_load(I, M, body, node, out):
 
     Its velocity and axis are those of `node`, at its vessel side.
     """
-    own = own_header(I)
     run = own_scalars(M)
     head = header(I)
     state = scalars(M)
-    y = own.unknowns + WIDTH * node
-    phi = M[y + PHI]
-    theta = M[y + THETA]
-    vx, vy, vz = to_fixed(phi, theta, M[y + V1], M[y + V2], M[y + V3])
+    y = unknowns_of(I, M, node)
+    phi = y.phi
+    theta = y.theta
+    vx, vy, vz = to_fixed(phi, theta, y.v1, y.v2, y.v3)
     body.state[0] = vx
     body.state[1] = vy
     body.state[2] = vz
     ax = run.beta * vx - body.past[0]
     ay = run.beta * vy - body.past[1]
     az = run.beta * vz - body.past[2]
-    water = own.currents + 3 * node
+    water = water_of(I, M, node)
     # Along the local axes the third component is the axial one.
-    u1, u2, u3 = to_local(phi, theta, vx - M[water], vy - M[water + 1], vz - M[water + 2])
+    u1, u2, u3 = to_local(phi, theta, vx - water.e1, vy - water.e2, vz - water.e3)
     a1, a2, a3 = to_local(phi, theta, ax, ay, az)
     speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
     inertia = body.mass + body.added_mass
@@ -62,8 +58,8 @@ def point_load(I, M, body, node, out):
     l2 = inertia * a2 + drag * u2
     l3 = axial * a3 + body.drag_axial * speed * u3
     if head.surge != 0:
-        at = surge_word(I, node)
-        s1, s2, s3 = to_local(phi, theta, M[at], M[at + 1], M[at + 2])
+        surge = water_of(I, M, head.capacity + node)
+        s1, s2, s3 = to_local(phi, theta, surge.e1, surge.e2, surge.e3)
         mass = body.buoyancy / state.gravity
         l1 -= (mass + body.added_mass) * s1
         l2 -= (mass + body.added_mass) * s2
@@ -81,31 +77,30 @@ def rigid_rows(I, M, body, left, out):
     Rows of the velocities: v_after = v_before + 2 R1 omega x a3; of the angles: equal; of the
     forces: eq. 28; of the curvatures, which are moments here: eq. 31 with omega x H.
     """
-    own = own_header(I)
     run = own_scalars(M)
     head = header(I)
     state = scalars(M)
-    a = own.unknowns + WIDTH * left
-    b = a + WIDTH
-    past = own.past + RATES * left
+    a = unknowns_of(I, M, left)
+    b = unknowns_of(I, M, left + 1)
+    past = past_of(I, M, left)
     beta = run.beta
-    phi = M[a + PHI]
-    theta = M[a + THETA]
-    w1 = beta * theta - M[past + 4]
-    phi_t = beta * phi - M[past + 3]
+    phi = a.phi
+    theta = a.theta
+    w1 = beta * theta - past.theta
+    phi_t = beta * phi - past.phi
     w2 = phi_t * math.sin(theta)
     w3 = phi_t * math.cos(theta)
     half = body.half
     offset = body.offset
-    out[PHI] = M[b + PHI] - phi
-    out[THETA] = M[b + THETA] - theta
-    out[V1] = M[b + V1] - M[a + V1] - 2.0 * half * w2
-    out[V2] = M[b + V2] - M[a + V2] + 2.0 * half * w1
-    out[V3] = M[b + V3] - M[a + V3]
+    out[PHI] = b.phi - phi
+    out[THETA] = b.theta - theta
+    out[V1] = b.v1 - a.v1 - 2.0 * half * w2
+    out[V2] = b.v2 - a.v2 + 2.0 * half * w1
+    out[V3] = b.v3 - a.v3
     arm = (1.0 + offset) * half
-    body.state[0] = M[a + V1] + arm * w2
-    body.state[1] = M[a + V2] - arm * w1
-    body.state[2] = M[a + V3]
+    body.state[0] = a.v1 + arm * w2
+    body.state[1] = a.v2 - arm * w1
+    body.state[2] = a.v3
     body.state[3] = w1
     body.state[4] = w2
     c1 = body.state[0]
@@ -114,13 +109,14 @@ def rigid_rows(I, M, body, left, out):
     a1 = beta * c1 - body.past[0] + w2 * c3 - w3 * c2
     a2 = beta * c2 - body.past[1] + w3 * c1 - w1 * c3
     a3 = beta * c3 - body.past[2] + w1 * c2 - w2 * c1
-    water = own.currents + 3 * left
+    before = water_of(I, M, left)
+    after = water_of(I, M, left + 1)
     g1, g2, g3 = to_local(
         phi,
         theta,
-        0.5 * (M[water] + M[water + 3]),
-        0.5 * (M[water + 1] + M[water + 4]),
-        0.5 * (M[water + 2] + M[water + 5]),
+        0.5 * (before.e1 + after.e1),
+        0.5 * (before.e2 + after.e2),
+        0.5 * (before.e3 + after.e3),
     )
     u1 = c1 - g1
     u2 = c2 - g2
@@ -131,13 +127,14 @@ def rigid_rows(I, M, body, left, out):
     h2 = -body.drag * speed * u2 - body.added_mass * a2
     h3 = -body.drag_axial * speed * u3 - body.added_mass_axial * a3
     if head.surge != 0:
-        before = surge_word(I, left)
+        before = water_of(I, M, head.capacity + left)
+        after = water_of(I, M, head.capacity + left + 1)
         s1, s2, s3 = to_local(
             phi,
             theta,
-            0.5 * (M[before] + M[before + 3]),
-            0.5 * (M[before + 1] + M[before + 4]),
-            0.5 * (M[before + 2] + M[before + 5]),
+            0.5 * (before.e1 + after.e1),
+            0.5 * (before.e2 + after.e2),
+            0.5 * (before.e3 + after.e3),
         )
         displaced = body.buoyancy / state.gravity
         h1 += (displaced + body.added_mass) * s1
@@ -146,14 +143,14 @@ def rigid_rows(I, M, body, left, out):
     down1, down2, down3 = to_local(phi, theta, 1.0, 0.0, 0.0)
     weight = body.weight
     mass = body.mass
-    out[F1] = M[b + F1] - M[a + F1] + h1 + weight * down1 - mass * a1
-    out[F2] = M[b + F2] - M[a + F2] + h2 + weight * down2 - mass * a2
-    out[F3] = M[b + F3] - M[a + F3] + h3 + weight * down3 - mass * a3
+    out[F1] = b.f1 - a.f1 + h1 + weight * down1 - mass * a1
+    out[F2] = b.f2 - a.f2 + h2 + weight * down2 - mass * a2
+    out[F3] = b.f3 - a.f3 + h3 + weight * down3 - mass * a3
     up = -body.buoyancy
-    l1 = (1.0 + offset) * M[a + F1] + (1.0 - offset) * M[b + F1] - offset * (h1 + up * down1)
-    l2 = (1.0 + offset) * M[a + F2] + (1.0 - offset) * M[b + F2] - offset * (h2 + up * down2)
+    l1 = (1.0 + offset) * a.f1 + (1.0 - offset) * b.f1 - offset * (h1 + up * down1)
+    l2 = (1.0 + offset) * a.f2 + (1.0 - offset) * b.f2 - offset * (h2 + up * down2)
     inertia = body.inertia
     rate1 = inertia * (beta * w1 - body.past[3] - w3 * w2)
     rate2 = inertia * (beta * w2 - body.past[4] + w3 * w1)
-    out[K1] = M[b + K1] - M[a + K1] - half * l2 - rate1
-    out[K2] = M[b + K2] - M[a + K2] + half * l1 - rate2
+    out[K1] = b.k1 - a.k1 - half * l2 - rate1
+    out[K2] = b.k2 - a.k2 + half * l1 - rate2

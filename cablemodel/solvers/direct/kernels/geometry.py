@@ -2,19 +2,23 @@
 
 import math
 
-from cablemodel.solvers.shared.access import header
+from cablemodel.solvers.shared.access import header, vector
 from cablemodel.solvers.shared.environment import current_at, surge_at
 
-from .access import own_header, own_scalars, rigid_body_of, section_of
+from .access import (
+    change_of,
+    own_header,
+    own_scalars,
+    place_of,
+    rigid_body_of,
+    section_of,
+    strain_of,
+    unknowns_of,
+    water_of,
+)
 from .compile import kernel
 from .frame import from_earth, to_earth, to_fixed
-from .layout import (
-    F3,
-    PHI,
-    RIGID,
-    THETA,
-    WIDTH,
-)
+from .layout import RIGID
 
 
 @kernel
@@ -50,15 +54,6 @@ def set_flow(I, M):
 
 
 @kernel
-def surge_word(I, node):
-    """First of three words with the water's acceleration at a node (paper's axes), while `surge`
-    is not 0."""
-    own = own_header(I)
-    head = header(I)
-    return own.currents + 3 * (head.capacity + node)
-
-
-@kernel
 def set_places(I, M):
     """Places of all nodes (earth frame) by integrating the tangent from the vessel, and velocity
     and acceleration of the water there (paper's axes)."""
@@ -66,60 +61,60 @@ def set_places(I, M):
     run = own_scalars(M)
     head = header(I)
     x, y, z = to_earth(M, run.vessel[0], run.vessel[1], run.vessel[2])
-    water = M[own.work : own.work + 3]
-    place = own.place
+    flow = vector()
     for index in range(own.section_count):
         section = section_of(I, M, index)
         first = section.first
         for node in range(first, first + section.count):
             if node > first:
-                a = own.unknowns + WIDTH * (node - 1)
-                b = a + WIDTH
+                a = unknowns_of(I, M, node - 1)
+                b = unknowns_of(I, M, node)
                 if section.kind == RIGID:
                     h = 2.0 * rigid_body_of(I, M, section.body).half
                 else:
-                    s = own.strains + 2 * node
-                    h = M[own.length + node] * (1.0 + 0.5 * (M[s - 2] + M[s]))
-                phi = 0.5 * (M[a + PHI] + M[b + PHI])
-                theta = 0.5 * (M[a + THETA] + M[b + THETA])
+                    before = strain_of(I, M, node - 1).strain
+                    after = strain_of(I, M, node).strain
+                    h = M[own.length + node] * (1.0 + 0.5 * (before + after))
+                phi = 0.5 * (a.phi + b.phi)
+                theta = 0.5 * (a.theta + b.theta)
                 g1, g2, g3 = to_fixed(phi, theta, 0.0, 0.0, h)
                 dx, dy, dz = to_earth(M, g1, g2, g3)
                 x += dx
                 y += dy
                 z += dz
-            M[place + 3 * node] = x
-            M[place + 3 * node + 1] = y
-            M[place + 3 * node + 2] = z
-            at = own.currents + 3 * node
+            place = place_of(I, M, node)
+            place.x = x
+            place.y = y
+            place.z = z
+            water = water_of(I, M, node)
             if head.current_kind == 0:
-                M[at] = 0.0
-                M[at + 1] = 0.0
-                M[at + 2] = 0.0
+                water.e1 = 0.0
+                water.e2 = 0.0
+                water.e3 = 0.0
             else:
-                current_at(I, M, z, water)
-                c1, c2, c3 = from_earth(M, water[0], water[1], water[2])
-                M[at] = run.share * c1
-                M[at + 1] = run.share * c2
-                M[at + 2] = run.share * c3
+                current_at(I, M, z, flow)
+                c1, c2, c3 = from_earth(M, flow[0], flow[1], flow[2])
+                water.e1 = run.share * c1
+                water.e2 = run.share * c2
+                water.e3 = run.share * c3
             if head.surge != 0:
-                surge_at(I, M, z, water)
-                at = surge_word(I, node)
-                M[at], M[at + 1], M[at + 2] = from_earth(M, water[0], water[1], water[2])
+                surge_at(I, M, z, flow)
+                surge = water_of(I, M, head.capacity + node)
+                surge.e1, surge.e2, surge.e3 = from_earth(M, flow[0], flow[1], flow[2])
 
 
 @kernel
 def gap(I, M):
     """Height of the far end above the plane of the floor, along its normal [m]."""
-    own = own_header(I)
     run = own_scalars(M)
-    at = own.place + 3 * last_node(I)
-    g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
+    place = place_of(I, M, last_node(I))
+    g1, g2, g3 = from_earth(M, place.x, place.y, place.z)
     return g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2] - run.floor[3]
 
 
 @kernel
 def gap_change(I, M, side, by_flow):
-    """Change of the gap for the changes of the unknowns in O_DELTA (scaled back already), and, for
+    """Change of the gap for the changes of the unknowns in `delta` (scaled back already), and, for
     by_flow = 1, for a unit change of the flow past the touchdown point."""
     own = own_header(I)
     run = own_scalars(M)
@@ -129,17 +124,18 @@ def gap_change(I, M, side, by_flow):
         first = section.first
         rigid = section.kind == RIGID
         for node in range(first + 1, first + section.count):
-            a = own.unknowns + WIDTH * (node - 1)
-            b = a + WIDTH
-            da = own.delta + 2 * WIDTH * (node - 1) + WIDTH * side
-            db = da + 2 * WIDTH
-            phi = 0.5 * (M[a + PHI] + M[b + PHI])
-            theta = 0.5 * (M[a + THETA] + M[b + THETA])
-            d_phi = 0.5 * (M[da + PHI] + M[db + PHI])
-            d_theta = 0.5 * (M[da + THETA] + M[db + THETA])
-            s = own.strains + 2 * node
-            e = 1.0 + 0.5 * (M[s - 2] + M[s])
-            d_e = 0.5 * (M[s - 1] * M[da + F3] + M[s + 1] * M[db + F3])
+            a = unknowns_of(I, M, node - 1)
+            b = unknowns_of(I, M, node)
+            da = change_of(I, M, 2 * (node - 1) + side)
+            db = change_of(I, M, 2 * node + side)
+            phi = 0.5 * (a.phi + b.phi)
+            theta = 0.5 * (a.theta + b.theta)
+            d_phi = 0.5 * (da.phi + db.phi)
+            d_theta = 0.5 * (da.theta + db.theta)
+            before = strain_of(I, M, node - 1)
+            after = strain_of(I, M, node)
+            e = 1.0 + 0.5 * (before.strain + after.strain)
+            d_e = 0.5 * (before.slope * da.f3 + after.slope * db.f3)
             h = M[own.length + node]
             d_h = 0.0
             if rigid:

@@ -1,6 +1,6 @@
 """Eq. 38: rates at the end of a step from values at both ends, y_t = beta y - past."""
 
-from .access import own_header, own_scalars, rigid_body_of
+from .access import own_header, own_scalars, rigid_body_of, strain_of
 from .assembly import fill_system
 from .compile import kernel
 from .geometry import last_node
@@ -8,16 +8,20 @@ from .layout import (
     BODY_STATES,
     RATES,
     WIDTH,
+    NodeRates,
 )
+
+STRAIN = NodeRates.strain.word
+"""Number of the strain among what is differentiated; those before it are unknowns."""
 
 
 @kernel
 def value(I, M, node, which):
     """The value of a node that eq. 38 differentiates: V1, V2, V3, phi, theta, strain."""
     own = own_header(I)
-    if which < 5:
+    if which < STRAIN:
         return M[own.unknowns + WIDTH * node + which]
-    return M[own.strains + 2 * node]
+    return strain_of(I, M, node).strain
 
 
 @kernel

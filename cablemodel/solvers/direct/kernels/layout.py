@@ -9,7 +9,7 @@ a joint are two nodes at one place.
 """
 
 from cablemodel.solvers.shared.layout import HEADER_WORDS, SCALAR_WORDS
-from cablemodel.solvers.shared.record import Record, integer, real, reals, spare
+from cablemodel.solvers.shared.record import Record, integer, integers, real, reals, spare
 
 MAGIC = 0x5443455249444243  # "CBDIRECT", little endian
 VERSION = 5
@@ -45,23 +45,25 @@ class OwnHeader(Record, first=HEADER_WORDS + SCALAR_WORDS):
     bodies = integer("bodies (RigidBody)")
     drum = integer("what passes the tow point (DrumRow)")
     _spare_2 = spare(1)
-    unknowns = integer("of the nodes (nodes, WIDTH)")
-    rate = integer("rates of what eq. 38 differentiates (nodes, RATES)")
+    unknowns = integer("of the nodes (NodeUnknowns)")
+    rate = integer("rates of what eq. 38 differentiates (NodeRates)")
     length = integer("unstretched length of the interval behind each node [m]")
     flow = integer("current and its like at each node")
     share = integer("of the strain at each node")
-    place = integer("place of each node (nodes, 3) [m]")
-    past = integer("what eq. 38 keeps of the past (nodes, RATES)")
-    start = integer("unknowns at the start of the step (nodes, WIDTH)")
-    currents = integer("velocity of the water at each node (nodes, 3), then its acceleration")
-    strains = integer("strain and its slope at each node (nodes, 2)")
+    place = integer("place of each node (NodePlace)")
+    past = integer("what eq. 38 keeps of the past (NodeRates)")
+    start = integer("unknowns at the start of the step (NodeUnknowns)")
+    currents = integer("velocity of the water at each node (NodeWater), then its acceleration")
+    strains = integer("strain and its slope at each node (NodeStrain)")
     left = integer("blocks of each slot's unknowns on its left (slots, WIDTH, WIDTH)")
     right = integer("the same on its right")
-    rhs = integer("two right-hand sides and the scales of rows of each slot (slots, RHS_WORDS)")
-    shape = integer("rows and unknowns of each slot (slots, SHAPE_WORDS)")
-    sweep = integer("partial solutions (Sweep)")
-    work = integer("workspace: WORK_WORDS")
-    delta = integer("changes of the unknowns, for two right-hand sides")
+    rhs = integer("right-hand sides of each slot and the scales of its rows (SlotSides)")
+    shape = integer("rows and unknowns of each slot (SlotShape)")
+    sweep = integer(
+        "what the linear solver keeps of each node (PartialSolutions) or slot (EliminatedRows)"
+    )
+    work = integer("scratch memory: AssemblyWork, SuperpositionWork or EliminationWork")
+    delta = integer("changes of the unknowns, two rows a node, one for each side (NodeUnknowns)")
     _spare_3 = spare(1)
     old_length = integer("`length` at the start of the step [m]")
     _spare_4 = spare(10)
@@ -104,12 +106,72 @@ class OwnScalars(Record, first=OwnHeader.FIRST + OWN_WORDS):
 
 FIRST_FREE = OwnScalars.FIRST + OwnScalars.WORDS
 
-# A node's unknowns, the paper's order: velocity of the material and internal force along a1, a2,
-# a3; Euler angles; curvatures about a1 and a2.
-WIDTH = 10
-V1, V2, V3, PHI, THETA, F1, F2, F3, K1, K2 = range(WIDTH)
-RATES = 6
-"""Words a node of what eq. 38 differentiates in time: velocity, angles, strain."""
+
+class NodeUnknowns(Record):
+    """A node's unknowns, in the paper's order."""
+
+    v1 = real("velocity of the material along a1", "m/s")
+    v2 = real("along a2", "m/s")
+    v3 = real("along a3", "m/s")
+    phi = real("Euler angle", "rad")
+    theta = real("Euler angle", "rad")
+    f1 = real("internal force along a1", "N")
+    f2 = real("along a2", "N")
+    f3 = real("along a3: the tension", "N")
+    k1 = real("curvature about a1; of a rigid body the moment", "1/m")
+    k2 = real("about a2", "1/m")
+
+
+WIDTH = NodeUnknowns.WORDS
+V1, V2, V3, PHI, THETA, F1, F2, F3, K1, K2 = (f.word for f in NodeUnknowns.FIELDS.values())
+"""Numbers of the unknowns: columns of a matrix, and the rows of the conditions that stand in for
+them."""
+
+
+class NodeRates(Record):
+    """Of a node, what eq. 38 differentiates in time: its rates, or what is kept of the past."""
+
+    v1 = real("of the velocity along a1")
+    v2 = real("along a2")
+    v3 = real("along a3")
+    phi = real("of the Euler angles")
+    theta = real("of the other one")
+    strain = real("of the strain")
+
+
+RATES = NodeRates.WORDS
+
+
+class NodePlace(Record):
+    """Where a node is, earth frame."""
+
+    x = real("east", "m")
+    y = real("north", "m")
+    z = real("up", "m")
+
+
+PLACE_WORDS = NodePlace.WORDS
+
+
+class NodeWater(Record):
+    """Velocity or acceleration of the water at a node, along the paper's axes."""
+
+    e1 = real("down")
+    e2 = real("horizontal")
+    e3 = real("horizontal, across e2")
+
+
+WATER_WORDS = NodeWater.WORDS
+
+
+class NodeStrain(Record):
+    """Of the cable at a node, by its tension."""
+
+    strain = real("by which it is longer")
+    slope = real("derivative of that by the tension", "1/N")
+
+
+STRAIN_WORDS = NodeStrain.WORDS
 
 
 class Section(Record):
@@ -194,28 +256,88 @@ DRUM_WORDS = DrumRow.WORDS
 END_FREE, END_ANCHOR, END_CONTACT, END_TOUCHDOWN = 0, 1, 2, 3
 
 BLOCK = WIDTH * WIDTH
+HALF = WIDTH // 2
+"""Coefficients of a node's partial solutions, at most."""
+ELIMINATED = 2 * WIDTH + 2
+"""Words of a row in elimination: unknowns on the left and on the right, two right-hand sides."""
+SUPERPOSED = 2 * WIDTH + 4
+"""Words of a row in superposition."""
 
 
 class PartialSolutions(Record):
-    """Of a node, y0 + Y z (superposition.py), for two right-hand sides; elimination keeps the rows
-    of a slot in the same words."""
+    """Of a node, y0 + Y z (superposition.py), for two right-hand sides."""
 
     particular = reals(2 * WIDTH, "y0 of each side")
-    complementary = reals(WIDTH * WIDTH // 2, "Y by rows, of one for each coefficient")
-    mix = reals((WIDTH // 2) ** 2, "T by rows: Y before it was made orthonormal is Y T")
-    shift = reals(WIDTH, "S of each side: y0 before that is y0 + Y S")
-    known = reals(WIDTH, "a of each side: coefficients before a joint are a + B z")
-    cross = reals((WIDTH // 2) ** 2, "B by rows")
-    _spare = spare(80)
+    complementary = reals(WIDTH * HALF, "Y by rows, of one for each coefficient")
+    mix = reals(HALF * HALF, "T by rows: Y before it was made orthonormal is Y T")
+    shift = reals(2 * HALF, "S of each side: y0 before that is y0 + Y S")
+    known = reals(2 * HALF, "a of each side: coefficients before a joint are a + B z")
+    cross = reals(HALF * HALF, "B by rows")
 
 
-SWEEP_WORDS = PartialSolutions.WORDS
+class EliminatedRows(Record):
+    """Of a slot, what elimination keeps in the same words for the way back (elimination.py)."""
+
+    rows = reals(WIDTH * ELIMINATED, "by rows: those from which the unknowns on its left follow")
+
+
+SWEEP_WORDS = max(PartialSolutions.WORDS, EliminatedRows.WORDS)
+
+
+class SlotShape(Record):
+    """How large the matrices of a slot are, all in integers."""
+
+    rows = integer("equations")
+    left = integer("unknowns on its left")
+    right = integer("unknowns on its right")
+    interval = integer("1: an interval, an initial value problem; 0: a joint or an end")
+
+
+SHAPE_WORDS = SlotShape.WORDS
+
+
+class SlotSides(Record):
+    """The right-hand sides of a slot."""
+
+    sides = reals(2 * WIDTH, "two of them, one after the other")
+    scales = reals(WIDTH, "what its rows have been divided by")
+
+
+RHS_WORDS = SlotSides.WORDS
+
+
+# Users of the scratch memory at `work`, one at a time.
+
+
+class AssemblyWork(Record):
+    """Of the assembly of the linear system: assembly.py."""
+
+    residual = reals(WIDTH, "rows of a slot at the iterate")
+    other_residual = reals(WIDTH, "the same where one unknown has changed")
+    by_middle = reals(BLOCK, "derivatives of the residual by the values at an interval's middle")
+    by_difference = reals(BLOCK, "by their differences over its length")
+    by_stretch = reals(WIDTH, "by the stretch at its middle")
+    by_stretch_slope = reals(WIDTH, "by the difference of stretch over its length")
+
+
+class SuperpositionWork(Record):
+    """Of the solution by superposition: superposition.py."""
+
+    solution = reals(2 * WIDTH, "z of both sides of slot C, the left one's first, of each side")
+    coefficients = reals(2 * WIDTH, "z at a node, of each right-hand side")
+    before = reals(HALF, "z at the node before a joint")
+    rows = reals(WIDTH * SUPERPOSED, "equations of a slot by rows, their right-hand sides behind")
+    pivot_row = integers(HALF + WIDTH, "row whose pivot a column holds, -1: none")
+
+
+class EliminationWork(Record):
+    """Of the solution by elimination: elimination.py."""
+
+    rows = reals(2 * WIDTH * ELIMINATED, "those that are left over and those of a slot")
+
+
 WORK_WORDS = 800
-SHAPE_WORDS = 4
-"""Of a slot: rows, unknowns on its left, on its right, and 1 for an interval (int64)."""
-
-RHS_WORDS = 30
-"""Of a slot: two right-hand sides and the scales of its rows."""
+"""Room for any of them, and more than that: saved states count on it."""
 
 # Tasks of the entry point `work`.
 TASK_STEP, TASK_EQUILIBRIUM, TASK_ASSEMBLE, TASK_SOLVE = 0, 1, 2, 3

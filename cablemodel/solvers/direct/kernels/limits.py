@@ -12,7 +12,7 @@ import math
 from cablemodel.solvers.shared.access import header
 from cablemodel.solvers.shared.layout import OK
 
-from .access import own_header, own_scalars, section_of
+from .access import own_header, own_scalars, place_of, section_of, unknowns_of
 from .compile import kernel
 from .frame import from_earth
 from .geometry import gap, last_node
@@ -23,14 +23,11 @@ from .layout import (
     END_ANCHOR,
     END_CONTACT,
     END_FREE,
-    F3,
     OVERSHOT,
     RIGID,
     SINGULAR_ANGLE,
     SLACK,
-    THETA,
     USED_UP,
-    WIDTH,
 )
 from .touchdown import end_component
 
@@ -54,11 +51,11 @@ def check_state(I, M):
         section = section_of(I, M, index)
         first = section.first
         for node in range(first, first + section.count):
-            y = own.unknowns + WIDTH * node
-            if abs(math.sin(M[y + THETA])) < AT_POLE:
+            y = unknowns_of(I, M, node)
+            if abs(math.sin(y.theta)) < AT_POLE:
                 I[head.failed] = node
                 return SINGULAR_ANGLE
-            if section.kind == CABLE and M[y + F3] < -run.lowest:
+            if section.kind == CABLE and y.f3 < -run.lowest:
                 I[head.failed] = node
                 return SLACK
             if node == first or section.kind == RIGID:
@@ -68,9 +65,10 @@ def check_state(I, M):
                 return USED_UP
     if own.end == END_ANCHOR:
         node = last_node(I)
-        total = 0.0
-        for i in range(3):
-            total += (M[own.place + 3 * node + i] - run.anchor[i]) ** 2
+        place = place_of(I, M, node)
+        total = (place.x - run.anchor[0]) ** 2
+        total += (place.y - run.anchor[1]) ** 2
+        total += (place.z - run.anchor[2]) ** 2
         if total > run.drift**2:
             I[head.failed] = node
             return DRIFT
@@ -93,8 +91,8 @@ def check_floor(I, M):
     if own.end == END_CONTACT and end_component(I, M, 2, 1) > OVERSHOOT:
         return OVERSHOT
     for node in range(last):
-        at = own.place + 3 * node
-        g1, g2, g3 = from_earth(M, M[at], M[at + 1], M[at + 2])
+        place = place_of(I, M, node)
+        g1, g2, g3 = from_earth(M, place.x, place.y, place.z)
         height = g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2] - run.floor[3]
         if height < -deep:
             I[head.failed] = node

@@ -1,12 +1,13 @@
 """Newton-Raphson on field and boundary equations at one time level (section 5)."""
 
 from cablemodel.solvers.shared.access import header
+from cablemodel.solvers.shared.compile import view
 from cablemodel.solvers.shared.layout import (
     NOT_CONVERGED,
     OK,
 )
 
-from .access import own_header, own_scalars, section_of
+from .access import own_header, own_scalars, section_of, shape_of, sides_of
 from .assembly import fill_system, set_strains, unknowns
 from .compile import kernel
 from .elimination import eliminate
@@ -19,8 +20,6 @@ from .layout import (
     K1,
     K2,
     PHI,
-    RHS_WORDS,
-    SHAPE_WORDS,
     THETA,
     V3,
     WIDTH,
@@ -41,8 +40,8 @@ def solve_linear(I, M, slots):
     head = header(I)
     head.factorisations += 1
     if own.method == ELIMINATION:
-        return eliminate(I, M, slots, own.sweep)
-    return superpose(I, M, slots, own.sweep)
+        return eliminate(I, M, slots)
+    return superpose(I, M, slots)
 
 
 @kernel
@@ -56,16 +55,16 @@ def spread(I, M):
         first = section.first
         for node in range(first, first + section.count):
             for side in range(own.right_sides):
-                at = own.delta + 2 * WIDTH * node + WIDTH * side
+                change = view(M, own.delta + WIDTH * (2 * node + side), WIDTH)
                 packed = 0
                 for j in range(WIDTH):
                     packed += (active >> j) & 1
                 for j in range(WIDTH - 1, -1, -1):
                     if (active >> j) & 1:
                         packed -= 1
-                        M[at + j] = M[at + packed] * run.scale[j]
+                        change[j] = change[packed] * run.scale[j]
                     else:
-                        M[at + j] = 0.0
+                        change[j] = 0.0
 
 
 @kernel
@@ -94,9 +93,9 @@ def parameter_side(I, M, slots):
     set_parameter(M, flows, kept)
     set_flow(I, M)
     for slot in range(slots):
-        at = own.rhs + RHS_WORDS * slot
-        for i in range(I[own.shape + SHAPE_WORDS * slot]):
-            M[at + WIDTH + i] = (M[at + WIDTH + i] - M[at + i]) / step
+        sides = sides_of(I, M, slot).sides
+        for i in range(shape_of(I, M, slot).rows):
+            sides[WIDTH + i] = (sides[WIDTH + i] - sides[i]) / step
     return flows
 
 
@@ -141,13 +140,13 @@ def solve_level(I, M):
         place = 0
         total = slots - 1
         for node in range(total):
-            at = own.delta + 2 * WIDTH * node
-            y = own.unknowns + WIDTH * node
+            deltas = view(M, own.delta + 2 * WIDTH * node, 2 * WIDTH)
+            y = view(M, own.unknowns + WIDTH * node, WIDTH)
             for j in range(WIDTH):
                 if sides == 2:
-                    M[at + j] += change * M[at + WIDTH + j]
-                size = abs(M[y + j])
-                delta = abs(M[at + j])
+                    deltas[j] += change * deltas[WIDTH + j]
+                size = abs(y[j])
+                delta = abs(deltas[j])
                 if not delta < 1e200:
                     I[head.failed] = node
                     return NOT_CONVERGED
@@ -169,10 +168,10 @@ def solve_level(I, M):
         if turn > DIRECT_LARGEST_TURN:
             factor = DIRECT_LARGEST_TURN / turn
         for node in range(total):
-            at = own.delta + 2 * WIDTH * node
-            y = own.unknowns + WIDTH * node
+            deltas = view(M, own.delta + 2 * WIDTH * node, 2 * WIDTH)
+            y = view(M, own.unknowns + WIDTH * node, WIDTH)
             for j in range(WIDTH):
-                M[y + j] += factor * M[at + j]
+                y[j] += factor * deltas[j]
         error = max(max(dv / largest_v, df / largest_f), max(turn, dk / largest_k))
         if floor:
             if flows:

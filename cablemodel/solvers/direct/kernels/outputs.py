@@ -7,7 +7,16 @@ from cablemodel.solvers.shared.layout import STATION_WORDS
 from cablemodel.solvers.shared.slack import read_slack
 from cablemodel.solvers.shared.summary import clear_floor
 
-from .access import material_row, own_header, own_scalars, rigid_body_of, section_of
+from .access import (
+    material_row,
+    own_header,
+    own_scalars,
+    place_of,
+    rigid_body_of,
+    section_of,
+    strain_of,
+    unknowns_of,
+)
 from .compile import kernel
 from .frame import to_earth, to_fixed
 from .geometry import last_node, line_out
@@ -16,42 +25,30 @@ from .layout import (
     CABLE,
     END_CONTACT,
     END_TOUCHDOWN,
-    F1,
-    F2,
-    F3,
-    K1,
-    K2,
-    PHI,
     RIGID,
-    THETA,
-    V1,
-    V2,
-    V3,
-    WIDTH,
 )
 
 
 @kernel
 def node_vector(I, M, node, which):
     """Earth-frame vector of a node: 0 velocity, 1 force, 2 moment over EI, 3 tangent."""
-    own = own_header(I)
-    y = own.unknowns + WIDTH * node
+    y = unknowns_of(I, M, node)
     x1 = 0.0
     x2 = 0.0
     x3 = 1.0
     if which == 0:
-        x1 = M[y + V1]
-        x2 = M[y + V2]
-        x3 = M[y + V3]
+        x1 = y.v1
+        x2 = y.v2
+        x3 = y.v3
     elif which == 1:
-        x1 = M[y + F1]
-        x2 = M[y + F2]
-        x3 = M[y + F3]
+        x1 = y.f1
+        x2 = y.f2
+        x3 = y.f3
     elif which == 2:
-        x1 = M[y + K1]
-        x2 = M[y + K2]
+        x1 = y.k1
+        x2 = y.k2
         x3 = 0.0
-    g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], x1, x2, x3)
+    g1, g2, g3 = to_fixed(y.phi, y.theta, x1, x2, x3)
     return to_earth(M, g1, g2, g3)
 
 
@@ -70,43 +67,44 @@ def station(I, M, section, left, x, found):
     h = M[own.length + right]
     tx0, ty0, tz0 = node_vector(I, M, left, 3)
     tx1, ty1, tz1 = node_vector(I, M, right, 3)
-    e0 = h * (1.0 + M[own.strains + 2 * left])
-    e1 = h * (1.0 + M[own.strains + 2 * right])
+    e0 = h * (1.0 + strain_of(I, M, left).strain)
+    e1 = h * (1.0 + strain_of(I, M, right).strain)
     y = 1.0 - x
     n0 = y * y * (1.0 + 2.0 * x)
     n1 = x * y * y * e0
     n2 = x * x * (3.0 - 2.0 * x)
     n3 = -x * x * y * e1
-    p = own.place + 3 * left
+    p = place_of(I, M, left)
+    q = place_of(I, M, right)
     place = found.position
-    place[0] = n0 * M[p] + n1 * tx0 + n2 * M[p + 3] + n3 * tx1
-    place[1] = n0 * M[p + 1] + n1 * ty0 + n2 * M[p + 4] + n3 * ty1
-    place[2] = n0 * M[p + 2] + n1 * tz0 + n2 * M[p + 5] + n3 * tz1
-    a = own.unknowns + WIDTH * left
-    b = a + WIDTH
-    phi = y * M[a + PHI] + x * M[b + PHI]
-    theta = y * M[a + THETA] + x * M[b + THETA]
+    place[0] = n0 * p.x + n1 * tx0 + n2 * q.x + n3 * tx1
+    place[1] = n0 * p.y + n1 * ty0 + n2 * q.y + n3 * ty1
+    place[2] = n0 * p.z + n1 * tz0 + n2 * q.z + n3 * tz1
+    a = unknowns_of(I, M, left)
+    b = unknowns_of(I, M, right)
+    phi = y * a.phi + x * b.phi
+    theta = y * a.theta + x * b.theta
     g1, g2, g3 = to_fixed(phi, theta, 0.0, 0.0, 1.0)
     tx, ty, tz = to_earth(M, g1, g2, g3)
     put(found.tangent, tx, ty, tz)
     g1, g2, g3 = to_fixed(
         phi,
         theta,
-        y * M[a + V1] + x * M[b + V1],
-        y * M[a + V2] + x * M[b + V2],
-        y * M[a + V3] + x * M[b + V3],
+        y * a.v1 + x * b.v1,
+        y * a.v2 + x * b.v2,
+        y * a.v3 + x * b.v3,
     )
     vx, vy, vz = to_earth(M, g1, g2, g3)
     put(found.velocity, vx, vy, vz)
-    found.tension = y * M[a + F3] + x * M[b + F3]
+    found.tension = y * a.f3 + x * b.f3
     if section.kind == CABLE:
-        k1 = (M[b + THETA] - M[a + THETA]) / h
-        k2 = (M[b + PHI] - M[a + PHI]) / h * math.sin(theta)
+        k1 = (b.theta - a.theta) / h
+        k2 = (b.phi - a.phi) / h * math.sin(theta)
         found.curvature = math.sqrt(k1 * k1 + k2 * k2)
         found.bending_moment = 0.0
     else:
-        k1 = y * M[a + K1] + x * M[b + K1]
-        k2 = y * M[a + K2] + x * M[b + K2]
+        k1 = y * a.k1 + x * b.k1
+        k2 = y * a.k2 + x * b.k2
         found.curvature = math.sqrt(k1 * k1 + k2 * k2)
         found.bending_moment = bending_of(I, M, section) * found.curvature
 
@@ -180,10 +178,8 @@ def body_stations(I, M, out):
             arm = (1.0 + row.offset) * row.half
             for k in range(3):
                 found.position[k] += arm * found.tangent[k]
-            y = own.unknowns + WIDTH * node
-            g1, g2, g3 = to_fixed(
-                M[y + PHI], M[y + THETA], row.state[0], row.state[1], row.state[2]
-            )
+            y = unknowns_of(I, M, node)
+            g1, g2, g3 = to_fixed(y.phi, y.theta, row.state[0], row.state[1], row.state[2])
             vx, vy, vz = to_earth(M, g1, g2, g3)
             put(found.velocity, vx, vy, vz)
 
@@ -191,10 +187,9 @@ def body_stations(I, M, out):
 @kernel
 def body_station(I, M, body, node, out):
     """A body's row from the place, tangent and velocity of a node."""
-    own = own_header(I)
     found = station_at(out, STATION_WORDS * body)
-    for k in range(3):
-        found.position[k] = M[own.place + 3 * node + k]
+    place = place_of(I, M, node)
+    put(found.position, place.x, place.y, place.z)
     tx, ty, tz = node_vector(I, M, node, 3)
     put(found.tangent, tx, ty, tz)
     vx, vy, vz = node_vector(I, M, node, 0)
@@ -218,12 +213,12 @@ def summarise(I, M, out):
     wrench[4] = bending * my
     wrench[5] = bending * mz
     size = math.sqrt(fx * fx + fy * fy + fz * fz)
-    found.top_tension = math.copysign(size, M[own.unknowns + F3])
-    lowest = M[own.unknowns + F3]
+    found.top_tension = math.copysign(size, unknowns_of(I, M, 0).f3)
+    lowest = unknowns_of(I, M, 0).f3
     highest = found.top_tension  # with the shear
     last = last_node(I)
     for node in range(last + 1):
-        tension = M[own.unknowns + WIDTH * node + F3]
+        tension = unknowns_of(I, M, node).f3
         lowest = min(lowest, tension)
         highest = max(highest, tension)
     if run.laid > 0.0:  # cable that has been laid bears none
@@ -233,10 +228,8 @@ def summarise(I, M, out):
     found.tension_max = highest
     laid = run.laid
     tx, ty, tz = laid_direction(I, M)
-    tip = found.tip_position
-    tip[0] = M[own.place + 3 * last] + laid * tx
-    tip[1] = M[own.place + 3 * last + 1] + laid * ty
-    tip[2] = M[own.place + 3 * last + 2] + laid * tz
+    tip = place_of(I, M, last)
+    put(found.tip_position, tip.x + laid * tx, tip.y + laid * ty, tip.z + laid * tz)
     vx, vy, vz = node_vector(I, M, last, 0)
     if laid > 0.0:
         vx = 0.0
@@ -260,8 +253,7 @@ def summarise(I, M, out):
     section = section_of(I, M, own.section_count - 1)
     put(found.floor_force, fx, fy, fz + material_row(I, M, section.material).weight * laid)
     found.floor_length = laid
-    for k in range(3):
-        found.touchdown_position[k] = M[own.place + 3 * last + k]
+    put(found.touchdown_position, tip.x, tip.y, tip.z)
     nx, ny, nz = to_earth(M, run.floor[0], run.floor[1], run.floor[2])
     found.touchdown_reaction = fx * nx + fy * ny + fz * nz
 

@@ -1,24 +1,31 @@
 """The mesh follows the cable: intervals are split and joined, joints leave the drum and return."""
 
 from cablemodel.solvers.shared.access import header, winch_of, word_of
+from cablemodel.solvers.shared.compile import copy_words
 from cablemodel.solvers.shared.layout import NO_CAPACITY, OK
 
-from .access import drum_row_of, own_header, own_scalars, rigid_body_of, section_at, section_of
+from .access import (
+    drum_row_of,
+    own_header,
+    own_scalars,
+    place_of,
+    rigid_body_of,
+    section_at,
+    section_of,
+    unknowns_of,
+)
 from .compile import kernel
 from .frame import to_fixed
 from .geometry import last_node
 from .layout import (
     BODY_STATES,
     CABLE,
-    PHI,
+    PLACE_WORDS,
     RATES,
     RIGID,
     SECTION_WORDS,
     SHORT_SECTION,
-    THETA,
-    V1,
-    V2,
-    V3,
+    STRAIN_WORDS,
     WIDTH,
 )
 
@@ -33,17 +40,19 @@ REGRID_SHORTEST = 0.5
 
 
 @kernel
+def copy_row(M, table, words, source, target):
+    """A row of a table of so many words a row."""
+    copy_words(M, table + words * target, table + words * source, words)
+
+
+@kernel
 def copy_node(I, M, source, target):
     """All words of a node."""
     own = own_header(I)
-    for k in range(WIDTH):
-        M[own.unknowns + WIDTH * target + k] = M[own.unknowns + WIDTH * source + k]
-    for k in range(RATES):
-        M[own.rate + RATES * target + k] = M[own.rate + RATES * source + k]
-    for k in range(3):
-        M[own.place + 3 * target + k] = M[own.place + 3 * source + k]
-    for k in range(2):
-        M[own.strains + 2 * target + k] = M[own.strains + 2 * source + k]
+    copy_row(M, own.unknowns, WIDTH, source, target)
+    copy_row(M, own.rate, RATES, source, target)
+    copy_row(M, own.place, PLACE_WORDS, source, target)
+    copy_row(M, own.strains, STRAIN_WORDS, source, target)
     M[own.length + target] = M[own.length + source]
     M[own.flow + target] = M[own.flow + source]
     M[own.share + target] = M[own.share + source]
@@ -88,7 +97,7 @@ def blend(I, M, section, left, x, target):
     before = -M[own.length + left] if low < left else 0.0
     after = h + M[own.length + left + 2] if high > left + 1 else 0.0
     for base in range(3):
-        width = WIDTH if base == 0 else (RATES if base == 1 else 2)
+        width = WIDTH if base == 0 else (RATES if base == 1 else STRAIN_WORDS)
         at = own.unknowns if base == 0 else (own.rate if base == 1 else own.strains)
         for k in range(width):
             total = 0.0
@@ -114,9 +123,12 @@ def blend(I, M, section, left, x, target):
                     weight *= (s - there) / (place - there)
                 total += weight * M[at + width * node + k]
             M[at + width * target + k] = total
-    for k in range(3):
-        a = M[own.place + 3 * left + k]
-        M[own.place + 3 * target + k] = a + x * (M[own.place + 3 * (left + 1) + k] - a)
+    a = place_of(I, M, left)
+    b = place_of(I, M, left + 1)
+    between = place_of(I, M, target)
+    between.x = a.x + x * (b.x - a.x)
+    between.y = a.y + x * (b.y - a.y)
+    between.z = a.z + x * (b.z - a.z)
 
 
 @kernel
@@ -379,14 +391,13 @@ def new_joint(I, M, row, extra):
 @kernel
 def start_body(I, M, body, node, rigid):
     """A body that leaves the drum has the cable's velocity there and does not turn."""
-    own = own_header(I)
     at = rigid_body_of(I, M, body)
-    y = own.unknowns + WIDTH * node
-    v1 = M[y + V1]
-    v2 = M[y + V2]
-    v3 = M[y + V3]
+    y = unknowns_of(I, M, node)
+    v1 = y.v1
+    v2 = y.v2
+    v3 = y.v3
     if not rigid:
-        v1, v2, v3 = to_fixed(M[y + PHI], M[y + THETA], v1, v2, v3)
+        v1, v2, v3 = to_fixed(y.phi, y.theta, v1, v2, v3)
     for k in range(BODY_STATES):
         at.state[k] = 0.0
         at.state_rate[k] = 0.0

@@ -5,9 +5,9 @@ from cablemodel.solvers.shared.access import header, line_of
 from cablemodel.solvers.shared.layout import SLACK_NOWHERE, SLACK_UNKNOWN
 from cablemodel.solvers.shared.slack import NONE, count_step, taut_from
 
-from .access import material_row, own_header, section_of
+from .access import material_row, own_header, section_of, start_of, unknowns_of
 from .compile import kernel
-from .layout import END_FREE, F3, RIGID, WIDTH
+from .layout import END_FREE, RIGID
 
 
 @kernel
@@ -23,7 +23,7 @@ def set_threshold(I, M):
             continue
         of_length = abs(material_row(I, M, section.material).weight)
         for node in range(section.first + 1, section.first + section.count):
-            mean = mean_tension(M, own.start, node)
+            mean = 0.5 * (start_of(I, M, node - 1).f3 + start_of(I, M, node).f3)
             weight += of_length * M[own.old_length + node]
             largest = max(largest, abs(mean))
             lowest = min(lowest, mean)
@@ -32,13 +32,6 @@ def set_threshold(I, M):
     rigid = section_of(I, M, own.section_count - 1).kind == RIGID
     if own.end == END_FREE and not rigid and section_of(I, M, own.section_count).point < 0:
         line.threshold = 0.0
-
-
-@kernel
-def mean_tension(M, unknowns, node):
-    """Of the interval that ends with a node."""
-    at = unknowns + WIDTH * node + F3
-    return 0.5 * (M[at - WIDTH] + M[at])
 
 
 @kernel
@@ -59,8 +52,8 @@ def follow_slack(I, M, time, dt):
             continue
         for node in range(section.first + 1, section.first + section.count):
             end = begin + M[own.length + node]
-            before = mean_tension(M, own.start, node)
-            after = mean_tension(M, own.unknowns, node)
+            before = 0.5 * (start_of(I, M, node - 1).f3 + start_of(I, M, node).f3)
+            after = 0.5 * (unknowns_of(I, M, node - 1).f3 + unknowns_of(I, M, node).f3)
             line.before = min(line.before, before)
             line.after = min(line.after, after)
             if after <= 0.0 or before <= 0.0:

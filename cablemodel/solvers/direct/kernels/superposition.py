@@ -15,18 +15,13 @@ import math
 from cablemodel.solvers.shared.compile import view
 from cablemodel.solvers.shared.layout import OK, SINGULAR
 
-from .access import own_header, partial_solutions_at
+from .access import own_header, partial_solutions_of, shape_of, sides_of, superposition_work
 from .compile import kernel
-from .layout import (
-    BLOCK,
-    RHS_WORDS,
-    SHAPE_WORDS,
-    SWEEP_WORDS,
-    WIDTH,
-)
+from .layout import BLOCK, HALF, WIDTH
+from .layout import SUPERPOSED as COLUMNS
 
-COLUMNS = 2 * WIDTH + 4
-HALF = WIDTH // 2
+SIDES = 2 * WIDTH
+"""Column of the right-hand sides in a row."""
 NEARLY_SINGULAR = 1e-7
 """Pivot of a transfer (its rows have entries of at most one) below which no initial value problem
 is solved: the midpoint rule has a pole where h sqrt(T/EI) = 2, and at a flexible free end."""
@@ -74,21 +69,20 @@ def orthonormalise(at, n, p, sides):
 
 @kernel
 def source_terms(I, M, slot, matrix, near, n, p, sides, rows, work):
-    """Into the work matrix: A Y in the first p columns, rhs - A y0 in columns from 2 WIDTH on."""
-    own = own_header(I)
+    """Into the work matrix: A Y in the first p columns, rhs - A y0 in columns from SIDES on."""
     for i in range(rows):
-        row = work + COLUMNS * i
-        a = matrix + BLOCK * slot + WIDTH * i
+        row = view(work, COLUMNS * i, COLUMNS)
+        a = view(M, matrix + BLOCK * slot + WIDTH * i, WIDTH)
         for k in range(p):
             value = 0.0
             for j in range(n):
-                value += M[a + j] * near.complementary[HALF * j + k]
-            M[row + k] = value
+                value += a[j] * near.complementary[HALF * j + k]
+            row[k] = value
         for side in range(sides):
-            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
+            value = sides_of(I, M, slot).sides[WIDTH * side + i]
             for j in range(n):
-                value -= M[a + j] * near.particular[WIDTH * side + j]
-            M[row + 2 * WIDTH + side] = value
+                value -= a[j] * near.particular[WIDTH * side + j]
+            row[SIDES + side] = value
 
 
 @kernel
@@ -97,12 +91,12 @@ def transfer(M, slot, matrix, far, n, p, sides, work):
     # B is copied next to the sources, in columns HALF ... HALF + n.
     for i in range(n):
         for j in range(n):
-            M[work + COLUMNS * i + HALF + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
+            work[COLUMNS * i + HALF + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
     for k in range(n):
         pivot = k
-        largest = abs(M[work + COLUMNS * k + HALF + k])
+        largest = abs(work[COLUMNS * k + HALF + k])
         for i in range(k + 1, n):
-            size = abs(M[work + COLUMNS * i + HALF + k])
+            size = abs(work[COLUMNS * i + HALF + k])
             if size > largest:
                 largest = size
                 pivot = i
@@ -110,89 +104,87 @@ def transfer(M, slot, matrix, far, n, p, sides, work):
             return SINGULAR
         if pivot != k:
             for j in range(COLUMNS):
-                kept = M[work + COLUMNS * k + j]
-                M[work + COLUMNS * k + j] = M[work + COLUMNS * pivot + j]
-                M[work + COLUMNS * pivot + j] = kept
-        inverse = 1.0 / M[work + COLUMNS * k + HALF + k]
+                kept = work[COLUMNS * k + j]
+                work[COLUMNS * k + j] = work[COLUMNS * pivot + j]
+                work[COLUMNS * pivot + j] = kept
+        inverse = 1.0 / work[COLUMNS * k + HALF + k]
         for i in range(k + 1, n):
-            factor = M[work + COLUMNS * i + HALF + k] * inverse
+            factor = work[COLUMNS * i + HALF + k] * inverse
             if factor == 0.0:
                 continue
             for j in range(k + 1, n):
-                M[work + COLUMNS * i + HALF + j] -= factor * M[work + COLUMNS * k + HALF + j]
+                work[COLUMNS * i + HALF + j] -= factor * work[COLUMNS * k + HALF + j]
             for j in range(p):
-                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * k + j]
+                work[COLUMNS * i + j] -= factor * work[COLUMNS * k + j]
             for j in range(sides):
-                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
-                    factor * M[work + COLUMNS * k + 2 * WIDTH + j]
-                )
+                work[COLUMNS * i + SIDES + j] -= factor * work[COLUMNS * k + SIDES + j]
     for i in range(n - 1, -1, -1):
-        inverse = 1.0 / M[work + COLUMNS * i + HALF + i]
+        inverse = 1.0 / work[COLUMNS * i + HALF + i]
         for k in range(p):
-            value = -M[work + COLUMNS * i + k]
+            value = -work[COLUMNS * i + k]
             for j in range(i + 1, n):
-                value -= M[work + COLUMNS * i + HALF + j] * far.complementary[HALF * j + k]
+                value -= work[COLUMNS * i + HALF + j] * far.complementary[HALF * j + k]
             far.complementary[HALF * i + k] = value * inverse
         for side in range(sides):
-            value = M[work + COLUMNS * i + 2 * WIDTH + side]
+            value = work[COLUMNS * i + SIDES + side]
             for j in range(i + 1, n):
-                value -= M[work + COLUMNS * i + HALF + j] * far.particular[WIDTH * side + j]
+                value -= work[COLUMNS * i + HALF + j] * far.particular[WIDTH * side + j]
             far.particular[WIDTH * side + i] = value * inverse
     return OK
 
 
 @kernel
-def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
+def cross(I, M, slot, matrix, far, n, p, sides, rows):
     """Carry the solutions across a joint, or start them at an end (p = 0).
 
     The slot's rows tie the p coefficients on the near side and the n unknowns on the far side.
     Gauss-Jordan with full pivoting leaves n / 2 of them free: the new coefficients.
     """
+    scratch = superposition_work(I, M, 0)
+    work = scratch.rows
+    order = scratch.pivot_row
     columns = p + n
     for i in range(rows):
         for j in range(n):
-            M[work + COLUMNS * i + p + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
-    order = I[work + COLUMNS * WIDTH : work + COLUMNS * WIDTH + 2 * WIDTH]
+            work[COLUMNS * i + p + j] = M[matrix + BLOCK * slot + WIDTH * i + j]
     for j in range(columns):
-        order[j] = -1  # the row whose pivot this column holds
+        order[j] = -1
     for step in range(rows):
         row = -1
         column = -1
         largest = 1e-280
         for i in range(step, rows):
             for j in range(columns):
-                if order[j] < 0 and abs(M[work + COLUMNS * i + j]) > largest:
-                    largest = abs(M[work + COLUMNS * i + j])
+                if order[j] < 0 and abs(work[COLUMNS * i + j]) > largest:
+                    largest = abs(work[COLUMNS * i + j])
                     row = i
                     column = j
         if row < 0:
             return SINGULAR
         order[column] = step
         for j in range(COLUMNS):
-            kept = M[work + COLUMNS * step + j]
-            M[work + COLUMNS * step + j] = M[work + COLUMNS * row + j]
-            M[work + COLUMNS * row + j] = kept
-        inverse = 1.0 / M[work + COLUMNS * step + column]
+            kept = work[COLUMNS * step + j]
+            work[COLUMNS * step + j] = work[COLUMNS * row + j]
+            work[COLUMNS * row + j] = kept
+        inverse = 1.0 / work[COLUMNS * step + column]
         for j in range(columns):
-            M[work + COLUMNS * step + j] *= inverse
+            work[COLUMNS * step + j] *= inverse
         for j in range(sides):
-            M[work + COLUMNS * step + 2 * WIDTH + j] *= inverse
+            work[COLUMNS * step + SIDES + j] *= inverse
         for i in range(rows):
-            factor = M[work + COLUMNS * i + column]
+            factor = work[COLUMNS * i + column]
             if i == step or factor == 0.0:
                 continue
             for j in range(columns):
-                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * step + j]
+                work[COLUMNS * i + j] -= factor * work[COLUMNS * step + j]
             for j in range(sides):
-                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
-                    factor * M[work + COLUMNS * step + 2 * WIDTH + j]
-                )
+                work[COLUMNS * i + SIDES + j] -= factor * work[COLUMNS * step + SIDES + j]
     for j in range(columns):
         # Coefficients of the near side go to a and B, unknowns of the far side to y0 and Y.
         for side in range(sides):
             value = 0.0
             if order[j] >= 0:
-                value = M[work + COLUMNS * order[j] + 2 * WIDTH + side]
+                value = work[COLUMNS * order[j] + SIDES + side]
             if j < p:
                 far.known[HALF * side + j] = value
             else:
@@ -203,7 +195,7 @@ def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
                 continue
             value = 1.0 if free == j else 0.0
             if order[j] >= 0:
-                value = -M[work + COLUMNS * order[j] + free]
+                value = -work[COLUMNS * order[j] + free]
             if j < p:
                 far.cross[HALF * j + k] = value
             else:
@@ -213,32 +205,32 @@ def cross(I, M, slot, matrix, far, n, p, sides, rows, work):
 
 
 @kernel
-def sweep(I, M, first, last, step, store):
+def sweep(I, M, first, last, step):
     """Partial solutions from slot `first` up to, not including, `last`; step +1 or -1."""
     own = own_header(I)
     sides = own.right_sides
-    work = own.work
-    near = partial_solutions_at(M, store)
+    work = superposition_work(I, M, 0).rows
+    near = partial_solutions_of(I, M, 0)
     n_near = 0
     slot = first
     while slot != last:
-        shape = own.shape + SHAPE_WORDS * slot
+        shape = shape_of(I, M, slot)
         node = slot if step > 0 else slot - 1
-        n = I[shape + 2] if step > 0 else I[shape + 1]
+        n = shape.right if step > 0 else shape.left
         towards = own.right if step > 0 else own.left
         behind = own.left if step > 0 else own.right
-        far = partial_solutions_at(M, store + SWEEP_WORDS * node)
-        rows = I[shape]
+        far = partial_solutions_of(I, M, node)
+        rows = shape.rows
         p = n_near // 2
         source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
-        if I[shape + 3] != 0:
+        if shape.interval != 0:
             status = transfer(M, slot, towards, far, n, p, sides, work)
             if status == SINGULAR:
                 # Any solution will do, not only one that starts from the near side: as at a joint.
-                I[shape + 3] = 0
+                shape.interval = 0
                 source_terms(I, M, slot, behind, near, n_near, p, sides, rows, work)
-        if I[shape + 3] == 0:
-            status = cross(I, M, slot, towards, far, n, p, sides, rows, work)
+        if shape.interval == 0:
+            status = cross(I, M, slot, towards, far, n, p, sides, rows)
         if status != OK:
             return status
         if orthonormalise(far, n, n // 2, sides) != 0:
@@ -250,144 +242,143 @@ def sweep(I, M, first, last, step, store):
 
 
 @kernel
-def recombine(I, M, slot, slots, store):
+def recombine(I, M, slot):
     """Coefficients z of both sides from the conditions of slot C (eqs. 43 to 45).
 
-    They go to the first words of the work space: WIDTH words a right-hand side, left side first.
+    They go to `solution`: WIDTH words a right-hand side, left side first.
     """
     own = own_header(I)
     sides = own.right_sides
-    work = own.work + 4 * WIDTH
-    shape = own.shape + SHAPE_WORDS * slot
-    rows = I[shape]
-    left = partial_solutions_at(M, store + SWEEP_WORDS * (slot - 1))
-    right = partial_solutions_at(M, store + SWEEP_WORDS * slot)
-    n_left = I[shape + 1]
-    n_right = I[shape + 2]
+    scratch = superposition_work(I, M, 0)
+    work = scratch.rows
+    shape = shape_of(I, M, slot)
+    rows = shape.rows
+    left = partial_solutions_of(I, M, slot - 1)
+    right = partial_solutions_of(I, M, slot)
+    n_left = shape.left
+    n_right = shape.right
     p_left = n_left // 2
     p_right = n_right // 2
     for i in range(rows):
-        row = work + COLUMNS * i
-        a = own.left + BLOCK * slot + WIDTH * i
-        b = own.right + BLOCK * slot + WIDTH * i
+        row = view(work, COLUMNS * i, COLUMNS)
+        a = view(M, own.left + BLOCK * slot + WIDTH * i, WIDTH)
+        b = view(M, own.right + BLOCK * slot + WIDTH * i, WIDTH)
         for k in range(p_left):
             value = 0.0
             for j in range(n_left):
-                value += M[a + j] * left.complementary[HALF * j + k]
-            M[row + k] = value
+                value += a[j] * left.complementary[HALF * j + k]
+            row[k] = value
         for k in range(p_right):
             value = 0.0
             for j in range(n_right):
-                value += M[b + j] * right.complementary[HALF * j + k]
-            M[row + p_left + k] = value
+                value += b[j] * right.complementary[HALF * j + k]
+            row[p_left + k] = value
         for side in range(sides):
-            value = M[own.rhs + RHS_WORDS * slot + WIDTH * side + i]
+            value = sides_of(I, M, slot).sides[WIDTH * side + i]
             for j in range(n_left):
-                value -= M[a + j] * left.particular[WIDTH * side + j]
+                value -= a[j] * left.particular[WIDTH * side + j]
             for j in range(n_right):
-                value -= M[b + j] * right.particular[WIDTH * side + j]
-            M[row + 2 * WIDTH + side] = value
+                value -= b[j] * right.particular[WIDTH * side + j]
+            row[SIDES + side] = value
     for k in range(rows):
         pivot = k
         for i in range(k + 1, rows):
-            if abs(M[work + COLUMNS * i + k]) > abs(M[work + COLUMNS * pivot + k]):
+            if abs(work[COLUMNS * i + k]) > abs(work[COLUMNS * pivot + k]):
                 pivot = i
-        if not abs(M[work + COLUMNS * pivot + k]) > 1e-300:
+        if not abs(work[COLUMNS * pivot + k]) > 1e-300:
             return SINGULAR
         for j in range(COLUMNS):
-            kept = M[work + COLUMNS * k + j]
-            M[work + COLUMNS * k + j] = M[work + COLUMNS * pivot + j]
-            M[work + COLUMNS * pivot + j] = kept
-        inverse = 1.0 / M[work + COLUMNS * k + k]
+            kept = work[COLUMNS * k + j]
+            work[COLUMNS * k + j] = work[COLUMNS * pivot + j]
+            work[COLUMNS * pivot + j] = kept
+        inverse = 1.0 / work[COLUMNS * k + k]
         for i in range(rows):
-            factor = M[work + COLUMNS * i + k] * inverse
+            factor = work[COLUMNS * i + k] * inverse
             if i == k or factor == 0.0:
                 continue
             for j in range(k, rows):
-                M[work + COLUMNS * i + j] -= factor * M[work + COLUMNS * k + j]
+                work[COLUMNS * i + j] -= factor * work[COLUMNS * k + j]
             for j in range(sides):
-                M[work + COLUMNS * i + 2 * WIDTH + j] -= (
-                    factor * M[work + COLUMNS * k + 2 * WIDTH + j]
-                )
+                work[COLUMNS * i + SIDES + j] -= factor * work[COLUMNS * k + SIDES + j]
     for side in range(sides):
         for k in range(rows):
-            M[own.work + WIDTH * side + k] = (
-                M[work + COLUMNS * k + 2 * WIDTH + side] / M[work + COLUMNS * k + k]
+            scratch.solution[WIDTH * side + k] = (
+                work[COLUMNS * k + SIDES + side] / work[COLUMNS * k + k]
             )
     return OK
 
 
 @kernel
-def return_sweep(I, M, node, last, step, z, store):
-    """Changes of all nodes from `node` to `last` from the coefficients z at `node`.
-
-    z: word offset of HALF coefficients for each of two right-hand sides, WIDTH words apart.
-    """
+def return_sweep(I, M, node, last, step):
+    """Changes of all nodes from `node` to `last` from the `coefficients` at `node`: HALF of them
+    for each of two right-hand sides, WIDTH words apart."""
     own = own_header(I)
+    scratch = superposition_work(I, M, 0)
+    old = scratch.before
     sides = own.right_sides
     while True:
-        at = partial_solutions_at(M, store + SWEEP_WORDS * node)
+        at = partial_solutions_of(I, M, node)
         slot = node if step < 0 else node + 1  # the slot that the sweep came through
-        shape = own.shape + SHAPE_WORDS * slot
-        n = I[shape + 2] if step < 0 else I[shape + 1]
-        before = I[shape + 1] if step < 0 else I[shape + 2]
+        shape = shape_of(I, M, slot)
+        n = shape.right if step < 0 else shape.left
+        before = shape.left if step < 0 else shape.right
         p = n // 2
         for side in range(sides):
-            c = z + WIDTH * side
-            out = own.delta + 2 * WIDTH * node + WIDTH * side
+            c = view(scratch.coefficients, WIDTH * side, WIDTH)
+            out = view(M, own.delta + WIDTH * (2 * node + side), WIDTH)
             for i in range(n):
                 value = at.particular[WIDTH * side + i]
                 for k in range(p):
-                    value += at.complementary[HALF * i + k] * M[c + k]
-                M[out + i] = value
+                    value += at.complementary[HALF * i + k] * c[k]
+                out[i] = value
             for k in range(p - 1, -1, -1):
-                value = M[c + k] - at.shift[HALF * side + k]
+                value = c[k] - at.shift[HALF * side + k]
                 for j in range(k + 1, p):
-                    value -= at.mix[HALF * k + j] * M[c + j]
-                M[c + k] = value / at.mix[HALF * k + k]
-            if I[shape + 3] == 0 and before > 0:
-                old = z + 2 * WIDTH
+                    value -= at.mix[HALF * k + j] * c[j]
+                c[k] = value / at.mix[HALF * k + k]
+            if shape.interval == 0 and before > 0:
                 for k in range(before // 2):
                     value = at.known[HALF * side + k]
                     for j in range(p):
-                        value += at.cross[HALF * k + j] * M[c + j]
-                    M[old + k] = value
+                        value += at.cross[HALF * k + j] * c[j]
+                    old[k] = value
                 for k in range(before // 2):
-                    M[c + k] = M[old + k]
+                    c[k] = old[k]
         if node == last:
             return
         node += step
 
 
 @kernel
-def superpose(I, M, slots, store):
-    """Solve all slots; store: word offset of slots x SWEEP_WORDS. Returns the status."""
+def superpose(I, M, slots):
+    """Solve all slots. Returns the status."""
     own = own_header(I)
     sides = own.right_sides
     meeting = own.meeting
     if meeting <= 0 or meeting >= slots:
         meeting = slots - 1
-    status = sweep(I, M, 0, meeting, 1, store)
+    status = sweep(I, M, 0, meeting, 1)
     if status != OK:
         return status
     if meeting < slots - 1:
-        status = sweep(I, M, slots - 1, meeting, -1, store)
+        status = sweep(I, M, slots - 1, meeting, -1)
         if status != OK:
             return status
-    status = recombine(I, M, meeting, slots, store)
+    status = recombine(I, M, meeting)
     if status != OK:
         return status
-    z = own.work + 4 * WIDTH
-    shape = own.shape + SHAPE_WORDS * meeting
-    p_left = I[shape + 1] // 2
-    p_right = I[shape + 2] // 2
+    scratch = superposition_work(I, M, 0)
+    z = scratch.coefficients
+    shape = shape_of(I, M, meeting)
+    p_left = shape.left // 2
+    p_right = shape.right // 2
     if meeting < slots - 1:
         for side in range(sides):
             for k in range(p_right):
-                M[z + WIDTH * side + k] = M[own.work + WIDTH * side + p_left + k]
-        return_sweep(I, M, meeting, slots - 2, 1, z, store)
+                z[WIDTH * side + k] = scratch.solution[WIDTH * side + p_left + k]
+        return_sweep(I, M, meeting, slots - 2, 1)
     for side in range(sides):
         for k in range(p_left):
-            M[z + WIDTH * side + k] = M[own.work + WIDTH * side + k]
-    return_sweep(I, M, meeting - 1, 0, -1, z, store)
+            z[WIDTH * side + k] = scratch.solution[WIDTH * side + k]
+    return_sweep(I, M, meeting - 1, 0, -1)
     return OK

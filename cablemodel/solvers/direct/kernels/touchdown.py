@@ -9,7 +9,7 @@ friction would be another one along a stiff cable.
 
 import math
 
-from .access import material_row, own_header, own_scalars, section_of
+from .access import material_row, own_header, own_scalars, rates_of, section_of, unknowns_of
 from .compile import kernel
 from .frame import to_fixed
 from .geometry import gap, last_node
@@ -17,16 +17,6 @@ from .layout import (
     END_CONTACT,
     END_FREE,
     END_TOUCHDOWN,
-    F1,
-    F2,
-    F3,
-    PHI,
-    RATES,
-    THETA,
-    V1,
-    V2,
-    V3,
-    WIDTH,
 )
 
 TOUCHES = 1e-4
@@ -41,15 +31,14 @@ STICKING_SPEED = 2e-3
 def end_component(I, M, which, along_normal):
     """Of the end's velocity (0), force (1) or tangent (2): the part along the floor's normal, or
     the size of the part in the floor."""
-    own = own_header(I)
     run = own_scalars(M)
-    y = own.unknowns + WIDTH * last_node(I)
+    y = unknowns_of(I, M, last_node(I))
     if which == 0:
-        g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], M[y + V1], M[y + V2], M[y + V3])
+        g1, g2, g3 = to_fixed(y.phi, y.theta, y.v1, y.v2, y.v3)
     elif which == 1:
-        g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], M[y + F1], M[y + F2], M[y + F3])
+        g1, g2, g3 = to_fixed(y.phi, y.theta, y.f1, y.f2, y.f3)
     else:
-        g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], 0.0, 0.0, 1.0)
+        g1, g2, g3 = to_fixed(y.phi, y.theta, 0.0, 0.0, 1.0)
     normal = g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2]
     if along_normal != 0:
         return normal
@@ -78,13 +67,11 @@ def time_to_landing(I, M, dt):
 @kernel
 def turning(I, M):
     """How fast the end's tangent turns towards the floor's normal [1/s]."""
-    own = own_header(I)
     run = own_scalars(M)
     node = last_node(I)
-    y = own.unknowns + WIDTH * node
-    phi_t = M[own.rate + RATES * node + 3]
-    theta_t = M[own.rate + RATES * node + 4]
-    g1, g2, g3 = to_fixed(M[y + PHI], M[y + THETA], phi_t * math.sin(M[y + THETA]), -theta_t, 0.0)
+    y = unknowns_of(I, M, node)
+    rates = rates_of(I, M, node)
+    g1, g2, g3 = to_fixed(y.phi, y.theta, rates.phi * math.sin(y.theta), -rates.theta, 0.0)
     return g1 * run.floor[0] + g2 * run.floor[1] + g3 * run.floor[2]
 
 
