@@ -34,12 +34,9 @@ WORDS = {
         "PER_TURN TURN TURN_REST ROUND HALVED MIDDLE S1 S2 S3 S4 S5 C1 C2 C3 C4 C5 C6 "
         "E0 E1 E2 E3 E4 E5 E6 E7 E8 E9"
     ),
-    "solvers/finite_element/kernels/element/element_planar.py": (
-        "R CX CZ G TX TZ FX FZ PX PZ QX QZ TT TN NT NN JACOBIAN ROWS SUMS"
-    ),
+    "solvers/finite_element/kernels/element/element_planar.py": ("X Z TT TN NT NN XX XZ ZX ZZ"),
     "solvers/finite_element/kernels/element/element_spatial.py": (
-        "AX CX CY CZ G TX TY TZ FX FY FZ PX PY PZ QX QY QZ ROWS ROWS_00 ROWS_01 ROWS_12 "
-        "ROWS_21 ROWS_22 SUMS"
+        "X Y Z XX XY XZ YX YY YZ ZX ZY ZZ"
     ),
     "solvers/finite_element/kernels/element/limp.py": "ROW_HUNG ROW_BELOW ROW_ABOVE ROW_HELD",
     "solvers/finite_element/kernels/mesh/touchdown_mesh.py": (
@@ -76,9 +73,7 @@ WORDS = {
     "solvers/finite_element/kernels/mesh/top_element.py": (
         "JOINT_OUT JOINT_IN SPLIT_TOP JOIN_TOP BODY_OUT CABLE_AFTER_BODY CABLE_IN BODY_IN"
     ),
-    "solvers/finite_element/kernels/water/waves.py": (
-        "VELOCITY STRETCH TANGENT FORCE ACCELERATION DRAG WET SLOPE"
-    ),
+    "solvers/finite_element/kernels/line/block_solver.py": "WORK_LOWER WORK_UPPER",
     "solvers/finite_element/kernels/water/wetting.py": "OUTER NOWHERE",
     "solvers/direct/block.py": "_GAUSS_WORDS",
     "solvers/direct/kernels/assembly.py": (

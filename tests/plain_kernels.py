@@ -84,10 +84,10 @@ def table_product(table: Any) -> Any:
     """As the compiled one, with a matrix."""
     factors = np.array([[float(factor) for factor in row] for row in table])
 
-    def product(words: Any, to: Any, start: Any, width: Any) -> None:
+    def product(result: Any, rows: Any, width: Any) -> None:
         count = factors.shape[1]
-        rows = words[start : start + width * count].reshape(count, width)
-        words[to : to + width * len(factors)] = (factors @ rows).ravel()
+        terms = rows[: width * count].reshape(count, width)
+        result[: width * len(factors)] = (factors @ terms).ravel()
 
     return product
 
@@ -110,10 +110,10 @@ def sums_of_two(table: Any, add: str) -> Any:
     """As the compiled one."""
     factors = np.array(table)
 
-    def sums(vector: Any, start: Any, out: Any) -> None:
+    def sums(vector: Any, out: Any) -> None:
         terms = len(factors)
         for i in range(2):
-            total = vector[start + 4 * i : start + 4 * i + terms] @ factors
+            total = vector[4 * i : 4 * i + terms] @ factors
             out[i::2] = total if add == "no" else out[i::2] + total
 
     return sums
@@ -135,8 +135,8 @@ def scatter_pairs(dimension: int, row: int) -> Any:
     """As the compiled one."""
     size = 2 * dimension
 
-    def scatter(words: Any, start: Any, above: Any, upper: Any, lower: Any, below: Any) -> None:
-        pairs = words[start : start + 16 * row].reshape(2, 2, 2, 2, row)[..., : dimension**2]
+    def scatter(words: Any, above: Any, upper: Any, lower: Any, below: Any) -> None:
+        pairs = words[: 16 * row].reshape(2, 2, 2, 2, row)[..., : dimension**2]
         pairs = pairs.reshape(2, 2, 2, 2, dimension, dimension)
         blocks = pairs.transpose(0, 2, 1, 4, 3, 5).reshape(2, 2, size * size)
         above[: size * size] += blocks[0, 0]

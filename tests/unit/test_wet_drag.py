@@ -17,43 +17,39 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT,
 )
 from cablemodel.solvers.finite_element.kernels.line.system import set_time
-from cablemodel.solvers.finite_element.kernels.water.waves import (
-    DRAG,
-    FORCE,
-    STRETCH,
-    TANGENT,
-    WET,
-    wave_loads,
-)
+from cablemodel.solvers.finite_element.kernels.water.waves import wave_loads
 from cablemodel.solvers.finite_element.kernels.water.wetting import drag_shares
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.access import edge_of, header
-from cablemodel.solvers.shared.compile import OPTIONS, view
-from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.access import edge_of, element_points
+from cablemodel.solvers.shared.compile import OPTIONS, record_at
+from cablemodel.solvers.shared.layout import ElementPoints, Header
 
 POINTS = np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
 WEIGHTS = WEIGHT[:3]
 
 
+points_at = record_at(ElementPoints)
+
+
 @numba.jit(**OPTIONS)
 def give_shares(words):
-    drag_shares(words, WET, DRAG)
+    drag_shares(points_at(words, 0))
 
 
 @numba.jit(**OPTIONS)
 def loads(ints, reals, x0, x1, v0, v1, rest):
-    """Of the element above node 1; its tangents and stretch are in the workspace."""
+    """Of the element above node 1; its tangents and stretch are in the scratch memory."""
     set_time(ints, reals, 0.0)
-    words = view(reals, header(ints).gauss, at.GAUSS_WORDS)
     edge = edge_of(ints, reals, 1)
-    wave_loads(ints, reals, words, edge, x0, x1, v0, v1, rest, rest)
+    wave_loads(ints, reals, element_points(ints, reals, 0), edge, x0, x1, v0, v1, rest, rest)
 
 
 def shares(wet):
-    words = np.zeros(at.GAUSS_WORDS)
-    words[WET : WET + 3] = wet
+    words = np.zeros(ElementPoints.WORDS)
+    points = ElementPoints(words)
+    points.wet[:3] = wet
     give_shares(words)
-    return words[DRAG : DRAG + 3]
+    return points.drag[:3]
 
 
 def test_shares_of_drag_are_never_below_zero():
@@ -102,18 +98,18 @@ def test_drag_at_the_surface_takes_energy(planar):
     head = Header(ints)
     dimension = int(head.dimension)
     h = float(reals[head.edges + at.EDGE_WORDS + at.Edge.length.word])
-    words = reals[head.gauss :][: at.GAUSS_WORDS]
+    points = ElementPoints(reals, int(head.gauss))
     rng, rest = np.random.default_rng(3), np.zeros(2 * dimension)
     below = 0
     for _ in range(200):
         x = rng.standard_normal((2, 2 * dimension))
         x[:, dimension - 1] *= h
         slope = np.column_stack([D0[:3] / h, D1[:3], D2[:3] / h, D3[:3]]) @ x.reshape(4, dimension)
-        words[STRETCH : STRETCH + 3] = np.linalg.norm(slope, axis=1)
+        points.stretch[:3] = np.linalg.norm(slope, axis=1)
         for i in range(dimension):
-            words[TANGENT + 4 * i :][:3] = slope[:, i] / words[STRETCH : STRETCH + 3]
+            points.tangent[at.POINT_WORDS * i :][:3] = slope[:, i] / points.stretch[:3]
         loads(ints, reals, x[0], x[1], rest, rest, rest)
-        still, wet = forces(words, dimension), words[WET : WET + 3].copy()
+        still, wet = forces(points, dimension), points.wet[:3].copy()
         v = rng.standard_normal((2, 2 * dimension))
         if wet.min() < 0.0:
             # Velocities at the ends of the element that are 0 at its other Gauss points.
@@ -124,7 +120,7 @@ def test_drag_at_the_surface_takes_energy(planar):
             below += 1
         motion = shapes(h) @ v.reshape(4, dimension)
         loads(ints, reals, x[0], x[1], v[0], v[1], rest)
-        power = np.sum(WEIGHTS[:, None] * (forces(words, dimension) - still) * motion)
+        power = np.sum(WEIGHTS[:, None] * (forces(points, dimension) - still) * motion)
         assert power >= -1e-12 * np.abs(motion).max() ** 3
     assert below > 20
 
@@ -134,6 +130,6 @@ def shapes(h):
     return np.column_stack([H0[:3], h * H1[:3], H2[:3], h * H3[:3]])
 
 
-def forces(words, dimension):
+def forces(points, dimension):
     """Minus the loads at the Gauss points (3, dimension)."""
-    return words[FORCE : FORCE + 4 * dimension].reshape(dimension, 4)[:, :3].T.copy()
+    return points.force.reshape(3, at.POINT_WORDS)[:dimension, :3].T.copy()

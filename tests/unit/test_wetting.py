@@ -9,14 +9,16 @@ from scipy.integrate import quad
 
 from cablemodel.solvers.finite_element.kernels.element.tables import P1, WEIGHT
 from cablemodel.solvers.finite_element.kernels.water.wetting import share_at, wet_shares
-from cablemodel.solvers.shared.compile import OPTIONS
+from cablemodel.solvers.shared.compile import OPTIONS, record_at
+from cablemodel.solvers.shared.layout import ElementPoints
 
 POINTS = np.asarray(P1)[:3]
+points_at = record_at(ElementPoints)
 
 
 @numba.jit(**OPTIONS)
 def shares_of(words, half):
-    wet_shares(words, 0, 3, half)
+    wet_shares(points_at(words, 0), half)
 
 
 @numba.jit(**OPTIONS)
@@ -26,9 +28,11 @@ def share_of(depth, half):
 
 def shares(depths, half):
     """Shares and slopes at the three Gauss points of an element, by the depths there."""
-    words = np.array([*depths, 0.0, 0.0, 0.0])
+    words = np.zeros(ElementPoints.WORDS)
+    points = ElementPoints(words)
+    points.wet[:3] = depths
     shares_of(words, half)
-    return words[:3], words[3:]
+    return points.wet[:3], points.wet_slope[:3]
 
 
 def depth_along(depths):

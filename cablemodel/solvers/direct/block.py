@@ -9,7 +9,7 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.block import Arrays, WordBlock
 from cablemodel.solvers.shared.layout import Header
 
-_GAUSS_WORDS = 512
+_GAUSS_WORDS = 512  # room for ElementPoints, and more than that: saved states count on it
 
 
 # Sizes of a block, each with the header word that holds it.

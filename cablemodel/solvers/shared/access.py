@@ -24,6 +24,7 @@ from cablemodel.solvers.shared.layout import (
     Constraint,
     Cut,
     Edge,
+    ElementPoints,
     Energies,
     Foil,
     Foot,
@@ -39,9 +40,11 @@ from cablemodel.solvers.shared.layout import (
     MotionChange,
     PartMotion,
     Piece,
+    PlanarElement,
     Polynomial,
     Rate,
     Scalars,
+    SpatialElement,
     StartMove,
     Station,
     StepInputs,
@@ -82,6 +85,11 @@ line_facts_at = record_at(LineFacts)
 cable_length_at = record_at(CableLength)
 start_move_at = record_at(StartMove)
 sea_layer_at = record_at(Layer)
+element_points = row_of(ElementPoints, Header.gauss)
+planar_element = row_of(PlanarElement, Header.gauss)
+spatial_element = row_of(SpatialElement, Header.gauss)
+"""spatial_element(I, M, 0), and so for the others: the scratch memory of an element by name."""
+
 tow_point_of = row_of(Motion, Header.motion)
 """tow_point_of(I, M, 0): its motion at the last set_time, earth frame."""
 

@@ -5,6 +5,7 @@ import math
 from cablemodel.solvers.shared.access import (
     arc_at,
     constraint_of,
+    element_points,
     header,
     motion_piece_at,
     motion_piece_of,
@@ -17,6 +18,7 @@ from cablemodel.solvers.shared.layout import (
     BY_SPRING,
     HELD_BY_ANCHOR,
     PIECE_WORDS,
+    POINT_WORDS,
     POLYNOMIAL,
 )
 
@@ -156,18 +158,18 @@ def prescribed_motion(I, M, row, t, out):
 
 @kernel
 def current_profile(I, M, t):
-    """Water velocity over depth at time t into the block; constant ones into the Gauss slots too.
+    """Water velocity over depth at time t into the block; constant ones to the Gauss points too.
 
     The scene's table is bilinear over depth and time and constant beyond its ends; the live
     current of the caller, linear in time between two values, is added at every depth.
     """
     head = header(I)
     state = scalars(M)
-    gauss = head.gauss
+    water = element_points(I, M, 0).water
     head.surge = 0
     if head.current_kind == 0:
-        for k in range(12):
-            M[gauss + k] = 0.0
+        for k in range(3 * POINT_WORDS):
+            water[k] = 0.0
         return
     depths = head.depth_count
     times = head.time_count
@@ -202,8 +204,8 @@ def current_profile(I, M, t):
             M[out + 1] = M[out + 2]
     if depths == 1:
         for i in range(3):
-            for g in range(4):
-                M[gauss + 4 * i + g] = M[head.profile + i]
+            for g in range(POINT_WORDS):
+                water[POINT_WORDS * i + g] = M[head.profile + i]
     current_rate(I, M, t, False)
 
 

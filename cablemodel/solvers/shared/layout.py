@@ -92,7 +92,7 @@ class Header(Record):
     constraint_residual = integer("of each element's two constraints (nodes, 2)")
     increment = integer("of Newton's method (nodes, 2, dimension)")
     profile = integer("current at each depth, now: velocities, then their rates")
-    gauss = integer("workspace of an element: GAUSS_WORDS")
+    gauss = integer("scratch memory of an element or node (PlanarElement, SpatialElement, ...)")
     motion = integer("of the tow point (Motion), then columns for the waves' components")
     tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
@@ -1075,10 +1075,77 @@ LAYER = 0.4  # smallest element in units of the touchdown layer (EI/w)^(1/3)
 # Motions of a system that are coupled, at most, to see what grows: kernels/line/swinging.py.
 MOTIONS = 60
 
-# Words of the workspace at `gauss`: those of an element, then the water that it moves through.
-ELEMENT_WORDS = 768
-ELIMINATION = 80  # first of those that the elimination of a node uses: two blocks
-GAUSS_WORDS = ELEMENT_WORDS + 24
+# Scratch memory at `gauss`, for one element or node after another. At an element's Gauss points
+# each component of a vector has a word for each of three points, and one that counts for nothing.
+POINT_WORDS = 4
+
+
+class ElementPoints(Record):
+    """An element at its Gauss points."""
+
+    water = reals(3 * POINT_WORDS, "velocity; of all elements where it is the same at all", "m/s")
+    stretch = reals(POINT_WORDS, "|r'|")
+    tangent = reals(3 * POINT_WORDS, "r' / |r'|")
+    force = reals(3 * POINT_WORDS, "conjugate to r, times the element's length", "N")
+    pull = reals(3 * POINT_WORDS, "conjugate to r'", "N")
+    bend = reals(3 * POINT_WORDS, "conjugate to r'', over the element's length", "N")
+    water_acceleration = reals(3 * POINT_WORDS, "of the water, in waves", "m/s2")
+    wet = reals(POINT_WORDS, "share that is wet")
+    wet_slope = reals(POINT_WORDS, "what that changes by upwards", "1/m")
+    drag = reals(POINT_WORDS, "share by which drag counts")
+
+
+# Rows of an element's Jacobian have a word for each pair of components: xx, xz, zx, zz in a plane;
+# in space xx, xy, ... zz, and one unused, for they are even.
+PLANAR_PAIRS, SPATIAL_PAIRS = 4, 10
+
+
+class PlanarElement(Record):
+    """The Jacobian of an element in a plane, as it is made."""
+
+    points = part(ElementPoints, "the element at its Gauss points")
+    slope_rows = reals(4 * 3 * PLANAR_PAIRS, "A11, then A12, A21 and A22, each at the three points")
+    motion_rows = reals(3 * PLANAR_PAIRS, "A00 at the points")
+    mixed_rows = reals(3 * PLANAR_PAIRS, "A01 at the points")
+    slope_sums = reals(6 * PLANAR_PAIRS, "over the points, for pairs of slopes")
+    motion_sums = reals(10 * PLANAR_PAIRS, "for pairs of shape functions")
+    mixed_sums = reals(12 * PLANAR_PAIRS, "for a function and a slope")
+    turned = reals(3 * PLANAR_PAIRS, "transposes of the last three pairs of slopes")
+    blocks = reals(16 * PLANAR_PAIRS, "the result: all pairs of shape functions")
+    gradient = reals(3 * 4 * 2, "of both constraints and the third strain mode, by shape functions")
+    a00 = reals(4 * POINT_WORDS, "A00 along and across the cable: tt, tn, nt, nn at the points")
+    a01 = reals(4 * POINT_WORDS, "A01 in the same way")
+    a11 = reals(4 * POINT_WORDS, "A11 in the same way")
+    a12 = reals(4 * POINT_WORDS, "A12 in the same way")
+    a22 = reals(4 * POINT_WORDS, "A22 in the same way")
+
+
+class SpatialElement(Record):
+    """The same in space."""
+
+    points = part(ElementPoints, "the element at its Gauss points")
+    slope_rows = reals(
+        4 * 3 * SPATIAL_PAIRS, "A11, then A12, A21 and A22, each at the three points"
+    )
+    motion_rows = reals(3 * SPATIAL_PAIRS, "A00 at the points")
+    mixed_rows = reals(3 * SPATIAL_PAIRS, "A01 at the points")
+    slope_sums = reals(6 * SPATIAL_PAIRS, "over the points, for pairs of slopes")
+    motion_sums = reals(10 * SPATIAL_PAIRS, "for pairs of shape functions")
+    mixed_sums = reals(12 * SPATIAL_PAIRS, "for a function and a slope")
+    turned = reals(3 * SPATIAL_PAIRS, "transposes of the last three pairs of slopes")
+    blocks = reals(16 * SPATIAL_PAIRS, "the result: all pairs of shape functions")
+    gradient = reals(3 * 4 * 3, "of both constraints and the third strain mode, by shape functions")
+
+
+class NodeElimination(Record):
+    """Two blocks of the elimination of a node: block_solver.py. The elements' water waits."""
+
+    points = part(ElementPoints, "of an element")
+    lower = reals(36, "the block below the diagonal, by rows")
+    upper = reals(36, "that above it, by columns")
+
+
+GAUSS_WORDS = 792  # room for any of them, and more than that: saved states count on it
 
 # Words of the workspace at `motion`; then columns for the components of the waves: four in
 # airy.py, and two more in sea_cells.py.

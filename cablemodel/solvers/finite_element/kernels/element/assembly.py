@@ -6,6 +6,8 @@ What differs between the two are the forces at the Gauss points and their deriva
 from typing import Any
 
 from cablemodel.solvers.finite_element.kernels.element.element_pairs import (
+    ELEMENT_OF,
+    PAIR_WORDS,
     invert_compliance,
     strain_missed,
     third_tension,
@@ -25,9 +27,8 @@ from cablemodel.solvers.finite_element.kernels.water.waves import (
     wave_loads,
     wet_rows,
 )
-from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.access import edge_of, element_points, header, scalars
 from cablemodel.solvers.shared.compile import kernel, view
-from cablemodel.solvers.shared.layout import GAUSS_WORDS
 
 _product_d = table_product(LINES_D)
 _product_de = table_product(LINES_DE)
@@ -37,7 +38,6 @@ _product_hd = table_product(LINES_HD)
 
 def residual_kernel(
     dimension: int,
-    stretched: int,
     geometry: Any,
     element_current: Any,
     with_damping: Any,
@@ -48,8 +48,8 @@ def residual_kernel(
 ) -> Any:
     """residual(I, M, q, v, a, tension, out, out_constraint) of all elements.
 
-    stretched: word of the workspace W where |r'| at the Gauss points begins; the others: kernels
-    that write what stands there at these points, and add what comes of that to the nodes.
+    The others: kernels that write what stands at an element's Gauss points (ElementPoints), and add
+    what comes of that to the nodes.
     """
     size = 2 * dimension
 
@@ -61,7 +61,7 @@ def residual_kernel(
         support must exert is the residual at its node.
         """
         head = header(I)
-        W = view(M, head.gauss, GAUSS_WORDS)
+        points = element_points(I, M, 0)
         nodes = head.nodes
         drag = head.drag
         sheared = head.depth_count > 1
@@ -85,25 +85,25 @@ def residual_kernel(
             v1 = view(v, size * node, size)
             a0 = view(a, size * parent, size)
             a1 = view(a, size * node, size)
-            geometry(W, x0, x1, h)
+            geometry(points, x0, x1, h)
             t0 = tension[2 * node]
             t1 = tension[2 * node + 1]
-            pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
-            axial_forces(W, pull0, pull1, third_tension(W, stretched, edge))
+            pull0, pull1 = with_damping(points, edge, t0, t1, v0, v1)
+            axial_forces(points, pull0, pull1, third_tension(points, edge))
 
-            r0, r1 = strain_missed(M, W, stretched, edge, t0, t1)
+            r0, r1 = strain_missed(M, points, edge, t0, t1)
             out_constraint[2 * node] = h * r0
             out_constraint[2 * node + 1] = h * r1
 
             if bending != 0.0:
-                add_bending_forces(W, x0, x1, h, bending)
+                add_bending_forces(points, x0, x1, h, bending)
             if waves != 0:
-                wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1)
+                wave_loads(I, M, points, edge, x0, x1, v0, v1, a0, a1)
             elif drag != 0:
                 if sheared:
-                    element_current(I, M, W, x0, x1, h)
+                    element_current(I, M, points, x0, x1, h)
                 load_forces(
-                    W,
+                    points,
                     v0,
                     v1,
                     a0,
@@ -115,7 +115,7 @@ def residual_kernel(
                 )
 
             add_forces(
-                W,
+                points,
                 edge,
                 a0,
                 a1,
@@ -132,10 +132,6 @@ def residual_kernel(
 
 def jacobian_kernel(
     dimension: int,
-    row: int,
-    stretched: int,
-    rows: int,
-    sums: int,
     geometry: Any,
     element_current: Any,
     with_damping: Any,
@@ -144,15 +140,14 @@ def jacobian_kernel(
 ) -> Any:
     """jacobian(I, M, q, v, a, tension, ca, cv) of all elements.
 
-    row: words of a row of component pairs. stretched, rows, sums: words of the workspace W where
-    |r'| at the Gauss points begins, the rows of A11, A12, A21, A22, A00 and A01 at each, and the
-    sums over them. pairs: of `pair_kernels`.
+    tangent_matrices writes the rows of A11, A12, A21, A22, A00 and A01 at the Gauss points (see
+    PlanarElement and SpatialElement). pairs: of `pair_kernels`.
     """
     size = 2 * dimension
     area = size * size
     words = 4 * size
-    rows_00, rows_01 = rows + 12 * row, rows + 15 * row
-    sums_h, sums_hd = sums + 6 * row, sums + 16 * row
+    row = PAIR_WORDS[dimension]
+    element_of = ELEMENT_OF[dimension]
     constraint_gradient, add_tension, combine, scatter = pairs
 
     @kernel
@@ -164,7 +159,8 @@ def jacobian_kernel(
         the compliance (3).
         """
         head = header(I)
-        W = view(M, head.gauss, GAUSS_WORDS)
+        work = element_of(I, M, 0)
+        points = work.points
         nodes = head.nodes
         drag = head.drag
         sheared = head.depth_count > 1
@@ -188,17 +184,17 @@ def jacobian_kernel(
             a1 = view(a, size * node, size)
             v0 = view(v, size * parent, size)
             v1 = view(v, size * node, size)
-            geometry(W, x0, x1, h)
+            geometry(points, x0, x1, h)
             if waves != 0:
-                element_water(I, M, W, edge, x0, x1)
+                element_water(I, M, points, edge, x0, x1)
             elif drag != 0 and sheared:
-                element_current(I, M, W, x0, x1, h)
+                element_current(I, M, points, x0, x1, h)
             t0 = tension[2 * node]
             t1 = tension[2 * node + 1]
             eas = edge.stabilisation
-            pull0, pull1 = with_damping(W, edge, t0, t1, v0, v1)
+            pull0, pull1 = with_damping(points, edge, t0, t1, v0, v1)
             tangent_matrices(
-                W,
+                work,
                 x0,
                 x1,
                 v0,
@@ -208,7 +204,7 @@ def jacobian_kernel(
                 h,
                 pull0,
                 pull1,
-                third_tension(W, stretched, edge),
+                third_tension(points, edge),
                 bending,
                 drag,
                 edge.drag_normal,
@@ -219,7 +215,7 @@ def jacobian_kernel(
             )
 
             # Gradient of the constraints, and the compliance.
-            constraint_gradient(W, h, view(M, head.gradient + words * node, words))
+            constraint_gradient(work, h, view(M, head.gradient + words * node, words))
             stiffness = view(M, head.compliance + 3 * node, 3)
             s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
             s22 = 5.0 * eas / h
@@ -228,29 +224,29 @@ def jacobian_kernel(
             s11 += cv * edge.damping_11 / h
 
             if waves != 0:
-                wet_rows(I, M, W, edge, rows_00, rows_01, row, ca)
+                wet_rows(I, M, points, edge, work.motion_rows, work.mixed_rows, row, ca)
             elif drag != 0 and sheared:
-                add_shear(I, M, W, edge, rows_00, row, x0, x1, v0, v1)
+                add_shear(I, M, points, edge, work.motion_rows, row, x0, x1, v0, v1)
             if bending != 0.0:
-                _product_de(W, sums, rows, row)
+                _product_de(work.slope_sums, work.slope_rows, row)
             else:
-                _product_d(W, sums, rows, row)
-            add_tension(W, s00, s01, s11, s22)
+                _product_d(work.slope_sums, work.slope_rows, row)
+            add_tension(work, s00, s01, s11, s22)
             if drag != 0:
-                _product_h(W, sums_h, rows_00, row)
-                _product_hd(W, sums_hd, rows_01, row)
+                _product_h(work.motion_sums, work.motion_rows, row)
+                _product_hd(work.mixed_sums, work.mixed_rows, row)
             else:
                 for n in range(10 * row):
-                    W[sums_h + n] = 0.0
+                    work.motion_sums[n] = 0.0
                 for n in range(12 * row):
-                    W[sums_hd + n] = 0.0
+                    work.mixed_sums[n] = 0.0
             mass = ca * edge.mass * h
             for n in range(10):
                 for i in range(dimension):
-                    W[sums_h + row * n + (dimension + 1) * i] += mass * MASS_PAIRS[n]
-            combine(W, h)
+                    work.motion_sums[row * n + (dimension + 1) * i] += mass * MASS_PAIRS[n]
+            combine(work, h)
             scatter(
-                W,
+                work,
                 view(diagonal, area * parent, area),
                 view(upper, area * node, area),
                 view(lower, area * node, area),

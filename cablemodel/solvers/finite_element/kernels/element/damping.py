@@ -19,6 +19,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
 from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
 from cablemodel.solvers.shared.access import edge_of, header
 from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.layout import POINT_WORDS
 
 
 @inlined
@@ -29,13 +30,13 @@ def damped_by(edge, mean, slope):
     return d0, d1
 
 
-def damping_kernel(dimension: int, tangents: int) -> Any:
-    """with_damping for elements of this dimension; tangents: the word of the workspace W where
-    those at the Gauss points begin, four words a component."""
+def damping_kernel(dimension: int) -> Any:
+    """with_damping for elements of this dimension."""
 
     @inlined
-    def with_damping(W, edge, t0, t1, v0, v1):
-        """The modes of T + D in an element, from those of T and the velocities of its ends."""
+    def with_damping(points, edge, t0, t1, v0, v1):
+        """The modes of T + D in an element, from those of T and the velocities of its ends; points:
+        its ElementPoints, with their tangents."""
         if edge.damping != 0.0:
             ih = 1.0 / edge.length
             mean = 0.0
@@ -45,7 +46,7 @@ def damping_kernel(dimension: int, tangents: int) -> Any:
                 for i in range(dimension):
                     d = dimension + i
                     along = (v1[i] - v0[i]) * ih * D2[g] + v0[d] * D1[g] + v1[d] * D3[g]
-                    rate += W[tangents + 4 * i + g] * along
+                    rate += points.tangent[POINT_WORDS * i + g] * along
                 mean += WEIGHT[g] * rate
                 slope += WEIGHT_P1[g] * rate
             d0, d1 = damped_by(edge, mean, slope)

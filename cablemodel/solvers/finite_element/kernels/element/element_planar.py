@@ -34,24 +34,18 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
 )
 from cablemodel.solvers.finite_element.kernels.line.products import values_of_two
 from cablemodel.solvers.shared.access import vector
-from cablemodel.solvers.shared.compile import inlined, own_numbers
+from cablemodel.solvers.shared.compile import inlined, own_numbers, view
 from cablemodel.solvers.shared.environment import current_at
+from cablemodel.solvers.shared.layout import PLANAR_PAIRS, POINT_WORDS
 
-# Slots of four words in the Gauss workspace.
-CX, CZ = 0, 4  # water velocity
-G, TX, TZ = 12, 16, 20
-FX, FZ = 28, 32  # conjugate to r, times h
-PX, PZ = 40, 44  # conjugate to r'
-QX, QZ = 52, 56  # conjugate to r'', over h
-TT, TN, NT, NN = 0, 4, 8, 12  # components of a tangent matrix in (t, n)
-JACOBIAN = 80  # 6 groups of 4 slots of 4: A00, A01, A11, A12, A21, A22
-# Rows of four words: the pairs of components xx, xz, zx, zz.
-ROWS = JACOBIAN + 96  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
-SUMS = ROWS + 72  # over the Gauss points: see element_pairs.py
+# Words of what stands at the Gauss points (ElementPoints) at which a component begins.
+X, Z = 0, POINT_WORDS
+TT, TN, NT, NN = (POINT_WORDS * n for n in range(4))  # of a tangent matrix in (t, n)
+XX, XZ, ZX, ZZ = range(PLANAR_PAIRS)  # words of a row of component pairs
 
-PAIRS = pair_kernels(2, 4, TX, SUMS)
-add_forces = force_kernel(2, FX, PX, QX)
-with_damping = damping_kernel(2, TX)
+PAIRS = pair_kernels(2)
+add_forces = force_kernel(2)
+with_damping = damping_kernel(2)
 slopes_at_points, second_at_points, values_at_points = cubic_kernels(2)
 second_of_all = values_of_two((E0, E1, E2, E3))
 by_places, by_slopes = values_of_two((H0, H2)), values_of_two((H1, H3))
@@ -60,91 +54,109 @@ condense_planar, stretch_rate_planar = constraint_kernels(2)
 
 
 @inlined
-def element_current(I, M, W, x0, x1, h):
+def element_current(I, M, points, x0, x1, h):
     """Water velocity at the Gauss points of an element, when it varies over depth."""
+    water = points.water
     flow = vector()
     for g in range(3):
         height = x0[1] * H0[g] + h * x0[3] * H1[g] + x1[1] * H2[g] + h * x1[3] * H3[g]
         current_at(I, M, height, flow)
-        W[CX + g] = flow[0]
-        W[CZ + g] = flow[1]
+        water[X + g] = flow[0]
+        water[Z + g] = flow[1]
 
 
 @inlined
-def geometry(W, x0, x1, h):
+def geometry(points, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
+    stretch = points.stretch
+    tangent = points.tangent
     slope = eight_numbers()
     slopes_at_points(x0, x1, h, slope)
     for g in range(4):
-        px = slope[g]
-        pz = slope[4 + g]
+        px = slope[X + g]
+        pz = slope[Z + g]
         s = math.sqrt(px * px + pz * pz)
         inverse = 1.0 / s
-        W[G + g] = s
-        W[TX + g] = px * inverse
-        W[TZ + g] = pz * inverse
+        stretch[g] = s
+        tangent[X + g] = px * inverse
+        tangent[Z + g] = pz * inverse
 
 
-constraints_planar = missed_kernel(2, geometry, G)
+constraints_planar = missed_kernel(2, geometry)
 gradients_planar = gradient_kernel(2, geometry, PAIRS[0])
 
 
 @inlined
-def axial_forces(W, t0, t1, t2):
+def axial_forces(points, t0, t1, t2):
     """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
+    tangent = points.tangent
+    pull = points.pull
     for g in range(4):
         tension = t0 + t1 * P1[g] + t2 * P2[g]
-        W[PX + g] = tension * W[TX + g]
-        W[PZ + g] = tension * W[TZ + g]
+        pull[X + g] = tension * tangent[X + g]
+        pull[Z + g] = tension * tangent[Z + g]
 
 
 @inlined
-def add_bending_forces(W, x0, x1, h, bending):
+def add_bending_forces(points, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
+    stretch = points.stretch
+    tangent = points.tangent
+    pull = points.pull
+    bend = points.bend
     ih = 1.0 / h
     second = eight_numbers()
     second_at_points(x0, x1, h, second)
     for g in range(4):
-        yx = second[g]
-        yz = second[4 + g]
-        tx = W[TX + g]
-        tz = W[TZ + g]
-        ig = 1.0 / W[G + g]
+        yx = second[X + g]
+        yz = second[Z + g]
+        tx = tangent[X + g]
+        tz = tangent[Z + g]
+        ig = 1.0 / stretch[g]
         beta = (yx * tx + yz * tz) * ig
         k = (yz * tx - yx * tz) * ig
         c = bending * ig * k
-        W[PX + g] -= c * (k * tx - beta * tz)
-        W[PZ + g] -= c * (k * tz + beta * tx)
-        W[QX + g] = -ih * (c * tz)
-        W[QZ + g] = ih * (c * tx)
+        pull[X + g] -= c * (k * tx - beta * tz)
+        pull[Z + g] -= c * (k * tz + beta * tx)
+        bend[X + g] = -ih * (c * tz)
+        bend[Z + g] = ih * (c * tx)
 
 
 @inlined
-def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
+def load_forces(points, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
+    water = points.water
+    stretch = points.stretch
+    tangent = points.tangent
+    force = points.force
     velocity = eight_numbers()
     acceleration = eight_numbers()
     values_at_points(v0, v1, h, velocity)
     values_at_points(a0, a1, h, acceleration)
     for g in range(4):
-        tx = W[TX + g]
-        tz = W[TZ + g]
-        ux = W[CX + g] - velocity[g]
-        uz = W[CZ + g] - velocity[4 + g]
-        wx = acceleration[g]
-        wz = acceleration[4 + g]
-        root = math.sqrt(W[G + g])
+        tx = tangent[X + g]
+        tz = tangent[Z + g]
+        ux = water[X + g] - velocity[X + g]
+        uz = water[Z + g] - velocity[Z + g]
+        wx = acceleration[X + g]
+        wz = acceleration[Z + g]
+        root = math.sqrt(stretch[g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz
         along = root * ct * abs(ut) * ut + added * (wx * tx + wz * tz)
         across = root * cn * abs(un) * un
-        W[FX + g] = h * (across * tz - along * tx)
-        W[FZ + g] = -h * (across * tx + along * tz)
+        force[X + g] = h * (across * tz - along * tx)
+        force[Z + g] = -h * (across * tx + along * tz)
 
 
 @inlined
-def bending_matrices(W, x0, x1, h, tension0, tension1, t2, bending):
+def bending_matrices(work, x0, x1, h, tension0, tension1, t2, bending):
     """Jacobians of the forces along the cable and of its bending's, components along (t, n)."""
+    stretch = work.points.stretch
+    tangent = work.points.tangent
+    a11 = work.a11
+    a12 = work.a12
+    a22 = work.a22
     ih = 1.0 / h
     ih2 = ih * ih
     unknowns = eight_numbers()
@@ -156,25 +168,24 @@ def bending_matrices(W, x0, x1, h, tension0, tension1, t2, bending):
         unknowns[6 + i] = x1[2 + i] * ih
     second_of_all(unknowns, second)
     for g in range(4):
-        ig = 1.0 / W[G + g]
-        tx = W[TX + g]
-        tz = W[TZ + g]
+        ig = 1.0 / stretch[g]
+        tx = tangent[X + g]
+        tz = tangent[Z + g]
         tension = tension0 + tension1 * P1[g] + t2 * P2[g]
-        yx = second[g]
-        yz = second[4 + g]
+        yx = second[X + g]
+        yz = second[Z + g]
         beta = (yx * tx + yz * tz) * ig
         k = (yz * tx - yx * tz) * ig
         c1 = bending * ig * ig * ih
         c2 = c1 * ih
         c3 = c2 * ih
-        j = JACOBIAN + 32 + g
-        W[j + TT] = 3.0 * c1 * k * k
-        W[j + TN] = 3.0 * c1 * beta * k
-        W[j + NN] = ih * tension * ig + c1 * (beta * beta - 2.0 * k * k)
-        W[j + 16 + TN] = -2.0 * c2 * k
-        W[j + 16 + NT] = -c2 * k
-        W[j + 16 + NN] = -c2 * beta
-        W[j + 48 + NN] = c3
+        a11[TT + g] = 3.0 * c1 * k * k
+        a11[TN + g] = 3.0 * c1 * beta * k
+        a11[NN + g] = ih * tension * ig + c1 * (beta * beta - 2.0 * k * k)
+        a12[TN + g] = -2.0 * c2 * k
+        a12[NT + g] = -c2 * k
+        a12[NN + g] = -c2 * beta
+        a22[NN + g] = c3
 
 
 @inlined
@@ -196,16 +207,21 @@ def motion_at_points(x0, x1, h, out):
 
 @inlined
 def tangent_matrices(
-    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+    work, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
 ):
     """Jacobians of the forces at the Gauss points, components along (t, n)."""
+    water = work.points.water
+    stretch = work.points.stretch
+    tangent = work.points.tangent
+    a00 = work.a00
+    a01 = work.a01
     ih = 1.0 / h
     if bending != 0.0:
-        bending_matrices(W, x0, x1, h, tension0, tension1, t2, bending)
+        bending_matrices(work, x0, x1, h, tension0, tension1, t2, bending)
     else:
         for g in range(4):
             tension = tension0 + tension1 * P1[g] + t2 * P2[g]
-            W[JACOBIAN + 32 + NN + g] = ih * tension * (1.0 / W[G + g])
+            work.a11[NN + g] = ih * tension * (1.0 / stretch[g])
     if drag == 0:
         return
     velocity = eight_numbers()
@@ -213,106 +229,131 @@ def tangent_matrices(
     motion_at_points(v0, v1, h, velocity)
     motion_at_points(a0, a1, h, acceleration)
     for g in range(4):
-        ig = 1.0 / W[G + g]
-        tx = W[TX + g]
-        tz = W[TZ + g]
-        ux = W[CX + g] - velocity[g]
-        uz = W[CZ + g] - velocity[4 + g]
-        wx = acceleration[g]
-        wz = acceleration[4 + g]
-        root = math.sqrt(W[G + g])
+        ig = 1.0 / stretch[g]
+        tx = tangent[X + g]
+        tz = tangent[Z + g]
+        ux = water[X + g] - velocity[X + g]
+        uz = water[Z + g] - velocity[Z + g]
+        wx = acceleration[X + g]
+        wz = acceleration[Z + g]
+        root = math.sqrt(stretch[g])
         ut = ux * tx + uz * tz
         un = uz * tx - ux * tz
         at = wx * tx + wz * tz
         an = wz * tx - wx * tz
         fn = root * cn * abs(un)
         ft = root * ct * abs(ut)
-        j = JACOBIAN + g
-        W[j + TT] = h * (2.0 * cv * ft - ca * added)
-        W[j + NN] = h * (2.0 * cv * fn)
-        W[j + 16 + TT] = -0.5 * ig * ft * ut
-        W[j + 16 + TN] = -ig * ((2.0 * ft - fn) * un + added * an)
-        W[j + 16 + NT] = -0.5 * ig * fn * un
-        W[j + 16 + NN] = -ig * (ft * ut - 2.0 * fn * ut + added * at)
+        a00[TT + g] = h * (2.0 * cv * ft - ca * added)
+        a00[NN + g] = h * (2.0 * cv * fn)
+        a01[TT + g] = -0.5 * ig * ft * ut
+        a01[TN + g] = -ig * ((2.0 * ft - fn) * un + added * an)
+        a01[NT + g] = -0.5 * ig * fn * un
+        a01[NN + g] = -ig * (ft * ut - 2.0 * fn * ut + added * at)
 
 
 @inlined
-def spread_components(W, bends, drags):
+def spread_components(work, bends, drags):
     """Tangent matrices from (t, n) to rows of component pairs."""
+    tangent = work.points.tangent
+    a00 = work.a00
+    a01 = work.a01
+    a11 = work.a11
+    a12 = work.a12
+    a22 = work.a22
     for g in range(3):
-        tx = W[TX + g]
-        tz = W[TZ + g]
+        tx = tangent[X + g]
+        tz = tangent[Z + g]
         xx = tx * tx
         xz = tx * tz
         zz = tz * tz
-        s = JACOBIAN + g
-        nn = W[s + 32 + NN]
-        row = ROWS + 4 * g
+        nn = a11[NN + g]
+        row = view(work.slope_rows, PLANAR_PAIRS * g, PLANAR_PAIRS)
         if bends:
-            tt = W[s + 32 + TT]
-            tn = W[s + 32 + TN]
+            tt = a11[TT + g]
+            tn = a11[TN + g]
             across = (tt - nn) * xz + tn * (xx - zz)
-            W[row] = tt * xx - 2.0 * tn * xz + nn * zz
-            W[row + 1] = across
-            W[row + 2] = across
-            W[row + 3] = tt * zz + 2.0 * tn * xz + nn * xx
-            tn = W[s + 48 + TN]
-            nt = W[s + 48 + NT]
-            nn = W[s + 48 + NN]
+            row[XX] = tt * xx - 2.0 * tn * xz + nn * zz
+            row[XZ] = across
+            row[ZX] = across
+            row[ZZ] = tt * zz + 2.0 * tn * xz + nn * xx
+            tn = a12[TN + g]
+            nt = a12[NT + g]
+            nn = a12[NN + g]
             first = nn * zz - (tn + nt) * xz
             last = nn * xx + (tn + nt) * xz
             upper = tn * xx - nt * zz - nn * xz
             lower = nt * xx - tn * zz - nn * xz
-            W[row + 12] = first
-            W[row + 13] = upper
-            W[row + 14] = lower
-            W[row + 15] = last
-            W[row + 24] = first
-            W[row + 25] = lower
-            W[row + 26] = upper
-            W[row + 27] = last
-            nn = W[s + 80 + NN]
-            W[row + 36] = nn * zz
-            W[row + 37] = -nn * xz
-            W[row + 38] = -nn * xz
-            W[row + 39] = nn * xx
+            row = view(work.slope_rows, PLANAR_PAIRS * (3 + g), PLANAR_PAIRS)
+            row[XX] = first
+            row[XZ] = upper
+            row[ZX] = lower
+            row[ZZ] = last
+            row = view(work.slope_rows, PLANAR_PAIRS * (6 + g), PLANAR_PAIRS)
+            row[XX] = first
+            row[XZ] = lower
+            row[ZX] = upper
+            row[ZZ] = last
+            nn = a22[NN + g]
+            row = view(work.slope_rows, PLANAR_PAIRS * (9 + g), PLANAR_PAIRS)
+            row[XX] = nn * zz
+            row[XZ] = -nn * xz
+            row[ZX] = -nn * xz
+            row[ZZ] = nn * xx
         else:
-            W[row] = nn * zz
-            W[row + 1] = -nn * xz
-            W[row + 2] = -nn * xz
-            W[row + 3] = nn * xx
+            row[XX] = nn * zz
+            row[XZ] = -nn * xz
+            row[ZX] = -nn * xz
+            row[ZZ] = nn * xx
         if drags:
-            tt = W[s + TT]
-            nn = W[s + NN]
+            tt = a00[TT + g]
+            nn = a00[NN + g]
             across = (tt - nn) * xz
-            W[row + 48] = tt * xx + nn * zz
-            W[row + 49] = across
-            W[row + 50] = across
-            W[row + 51] = tt * zz + nn * xx
-            tt = W[s + 16 + TT]
-            tn = W[s + 16 + TN]
-            nt = W[s + 16 + NT]
-            nn = W[s + 16 + NN]
-            W[row + 60] = tt * xx - (tn + nt) * xz + nn * zz
-            W[row + 61] = (tt - nn) * xz + tn * xx - nt * zz
-            W[row + 62] = (tt - nn) * xz + nt * xx - tn * zz
-            W[row + 63] = tt * zz + (tn + nt) * xz + nn * xx
+            row = view(work.motion_rows, PLANAR_PAIRS * g, PLANAR_PAIRS)
+            row[XX] = tt * xx + nn * zz
+            row[XZ] = across
+            row[ZX] = across
+            row[ZZ] = tt * zz + nn * xx
+            tt = a01[TT + g]
+            tn = a01[TN + g]
+            nt = a01[NT + g]
+            nn = a01[NN + g]
+            row = view(work.mixed_rows, PLANAR_PAIRS * g, PLANAR_PAIRS)
+            row[XX] = tt * xx - (tn + nt) * xz + nn * zz
+            row[XZ] = (tt - nn) * xz + tn * xx - nt * zz
+            row[ZX] = (tt - nn) * xz + nt * xx - tn * zz
+            row[ZZ] = tt * zz + (tn + nt) * xz + nn * xx
 
 
 @inlined
 def tangent_rows(
-    W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+    work, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
 ):
     """Jacobians of the forces at the Gauss points as rows of component pairs."""
     tangent_matrices(
-        W, x0, x1, v0, v1, a0, a1, h, tension0, tension1, t2, bending, drag, cn, ct, added, ca, cv
+        work,
+        x0,
+        x1,
+        v0,
+        v1,
+        a0,
+        a1,
+        h,
+        tension0,
+        tension1,
+        t2,
+        bending,
+        drag,
+        cn,
+        ct,
+        added,
+        ca,
+        cv,
     )
-    spread_components(W, bending != 0.0, drag != 0)
+    spread_components(work, bending != 0.0, drag != 0)
 
 
 residual_planar = residual_kernel(
     2,
-    G,
     geometry,
     element_current,
     with_damping,
@@ -321,6 +362,4 @@ residual_planar = residual_kernel(
     load_forces,
     add_forces,
 )
-jacobian_planar = jacobian_kernel(
-    2, 4, G, ROWS, SUMS, geometry, element_current, with_damping, tangent_rows, PAIRS
-)
+jacobian_planar = jacobian_kernel(2, geometry, element_current, with_damping, tangent_rows, PAIRS)

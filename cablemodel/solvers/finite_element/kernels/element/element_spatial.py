@@ -40,79 +40,81 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     P2,
 )
 from cablemodel.solvers.shared.access import vector
-from cablemodel.solvers.shared.compile import inlined
+from cablemodel.solvers.shared.compile import inlined, view
 from cablemodel.solvers.shared.environment import current_at
+from cablemodel.solvers.shared.layout import POINT_WORDS, SPATIAL_PAIRS
 
 TINY = 1e-30  # keeps |u_n| from dividing by zero
 
-# Slots of four words in the Gauss workspace.
-CX, CY, CZ = 0, 4, 8  # water velocity
-G, TX, TY, TZ = 12, 16, 20, 24
-FX, FY, FZ = 28, 32, 36  # conjugate to r, times h
-PX, PY, PZ = 40, 44, 48  # conjugate to r'
-QX, QY, QZ = 52, 56, 60  # conjugate to r'', over h
-# Rows of ten words: the nine pairs of components xx, xy, ... zz, and one unused.
-ROWS = 80  # at each Gauss point: A11, A12, A21, A22, then A00, then A01
-ROWS_12, ROWS_21, ROWS_22 = ROWS + 30, ROWS + 60, ROWS + 90
-ROWS_00, ROWS_01 = ROWS + 120, ROWS + 150
-SUMS = ROWS + 180  # over the Gauss points: see element_pairs.py
+# Words of what stands at the Gauss points (ElementPoints) at which a component begins.
+X, Y, Z = (POINT_WORDS * n for n in range(3))
+XX, XY, XZ, YX, YY, YZ, ZX, ZY, ZZ = range(9)  # words of a row of component pairs
 
-PAIRS = pair_kernels(3, 10, TX, SUMS)
-add_forces = force_kernel(3, FX, PX, QX)
-with_damping = damping_kernel(3, TX)
+PAIRS = pair_kernels(3)
+add_forces = force_kernel(3)
+with_damping = damping_kernel(3)
 slopes_at_points, second_at_points, values_at_points = cubic_kernels(3)
 condense_spatial, stretch_rate_spatial = constraint_kernels(3)
 
 
 @inlined
-def element_current(I, M, W, x0, x1, h):
+def element_current(I, M, points, x0, x1, h):
     """Water velocity at the Gauss points of an element whose heights are x0.., when it varies."""
+    water = points.water
     flow = vector()
     for g in range(3):
         height = x0[2] * H0[g] + h * x0[5] * H1[g] + x1[2] * H2[g] + h * x1[5] * H3[g]
         current_at(I, M, height, flow)
-        W[CX + g] = flow[0]
-        W[CY + g] = flow[1]
-        W[CZ + g] = flow[2]
+        water[X + g] = flow[0]
+        water[Y + g] = flow[1]
+        water[Z + g] = flow[2]
 
 
 @inlined
-def geometry(W, x0, x1, h):
+def geometry(points, x0, x1, h):
     """Stretch g and tangent t at the Gauss points."""
+    stretch = points.stretch
+    tangent = points.tangent
     slope = eight_numbers()
     slopes_at_points(x0, x1, h, slope)
     az = (x1[2] - x0[2]) * (1.0 / h)
     bz = x0[5]
     dz = x1[5]
     for g in range(4):
-        px = slope[g]
-        py = slope[4 + g]
+        px = slope[X + g]
+        py = slope[Y + g]
         pz = az * D2[g] + bz * D1[g] + dz * D3[g]
         s = math.sqrt(px * px + py * py + pz * pz)
         inverse = 1.0 / s
-        W[G + g] = s
-        W[TX + g] = px * inverse
-        W[TY + g] = py * inverse
-        W[TZ + g] = pz * inverse
+        stretch[g] = s
+        tangent[X + g] = px * inverse
+        tangent[Y + g] = py * inverse
+        tangent[Z + g] = pz * inverse
 
 
-constraints_spatial = missed_kernel(3, geometry, G)
+constraints_spatial = missed_kernel(3, geometry)
 gradients_spatial = gradient_kernel(3, geometry, PAIRS[0])
 
 
 @inlined
-def axial_forces(W, t0, t1, t2):
+def axial_forces(points, t0, t1, t2):
     """Forces T t at the Gauss points, with the third strain mode's tension along P2."""
+    tangent = points.tangent
+    pull = points.pull
     for g in range(4):
         tension = t0 + t1 * P1[g] + t2 * P2[g]
-        W[PX + g] = tension * W[TX + g]
-        W[PY + g] = tension * W[TY + g]
-        W[PZ + g] = tension * W[TZ + g]
+        pull[X + g] = tension * tangent[X + g]
+        pull[Y + g] = tension * tangent[Y + g]
+        pull[Z + g] = tension * tangent[Z + g]
 
 
 @inlined
-def add_bending_forces(W, x0, x1, h, bending):
+def add_bending_forces(points, x0, x1, h, bending):
     """dW/dr' and dW/dr'' of the bending energy at the Gauss points."""
+    stretch = points.stretch
+    tangent = points.tangent
+    pull = points.pull
+    bend = points.bend
     ih = 1.0 / h
     second = eight_numbers()
     second_at_points(x0, x1, h, second)
@@ -120,13 +122,13 @@ def add_bending_forces(W, x0, x1, h, bending):
     bz = x0[5] * ih
     dz = x1[5] * ih
     for g in range(4):
-        yx = second[g]
-        yy = second[4 + g]
+        yx = second[X + g]
+        yy = second[Y + g]
         yz = az * E2[g] + bz * E1[g] + dz * E3[g]
-        tx = W[TX + g]
-        ty = W[TY + g]
-        tz = W[TZ + g]
-        ig = 1.0 / W[G + g]
+        tx = tangent[X + g]
+        ty = tangent[Y + g]
+        tz = tangent[Z + g]
+        ig = 1.0 / stretch[g]
         b = yx * tx + yy * ty + yz * tz
         kx = (yx - b * tx) * ig
         ky = (yy - b * ty) * ig
@@ -134,17 +136,21 @@ def add_bending_forces(W, x0, x1, h, bending):
         kk = kx * kx + ky * ky + kz * kz
         c = bending * ig
         beta = b * ig
-        W[PX + g] -= c * (kk * tx + beta * kx)
-        W[PY + g] -= c * (kk * ty + beta * ky)
-        W[PZ + g] -= c * (kk * tz + beta * kz)
-        W[QX + g] = ih * (c * kx)
-        W[QY + g] = ih * (c * ky)
-        W[QZ + g] = ih * (c * kz)
+        pull[X + g] -= c * (kk * tx + beta * kx)
+        pull[Y + g] -= c * (kk * ty + beta * ky)
+        pull[Z + g] -= c * (kk * tz + beta * kz)
+        bend[X + g] = ih * (c * kx)
+        bend[Y + g] = ih * (c * ky)
+        bend[Z + g] = ih * (c * kz)
 
 
 @inlined
-def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
+def load_forces(points, v0, v1, a0, a1, h, cn, ct, added):
     """Minus the drag (eq. 23), minus the tangential part of the added mass, per unit length."""
+    water = points.water
+    stretch = points.stretch
+    tangent = points.tangent
+    force = points.force
     velocity = eight_numbers()
     acceleration = eight_numbers()
     values_at_points(v0, v1, h, velocity)
@@ -158,16 +164,16 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
     gz = a1[2]
     hz = h * a1[5]
     for g in range(4):
-        tx = W[TX + g]
-        ty = W[TY + g]
-        tz = W[TZ + g]
-        ux = W[CX + g] - velocity[g]
-        uy = W[CY + g] - velocity[4 + g]
-        uz = W[CZ + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
-        wx = acceleration[g]
-        wy = acceleration[4 + g]
+        tx = tangent[X + g]
+        ty = tangent[Y + g]
+        tz = tangent[Z + g]
+        ux = water[X + g] - velocity[X + g]
+        uy = water[Y + g] - velocity[Y + g]
+        uz = water[Z + g] - (az * H0[g] + bz * H1[g] + cz * H2[g] + dz * H3[g])
+        wx = acceleration[X + g]
+        wy = acceleration[Y + g]
         wz = ez * H0[g] + fz * H1[g] + gz * H2[g] + hz * H3[g]
-        root = math.sqrt(W[G + g])
+        root = math.sqrt(stretch[g])
         ut = ux * tx + uy * ty + uz * tz
         nx = ux - ut * tx
         ny = uy - ut * ty
@@ -175,28 +181,28 @@ def load_forces(W, v0, v1, a0, a1, h, cn, ct, added):
         un = math.sqrt(nx * nx + ny * ny + nz * nz)
         fn = root * cn * un
         along = root * ct * abs(ut) * ut + added * (wx * tx + wy * ty + wz * tz)
-        W[FX + g] = -h * (fn * nx + along * tx)
-        W[FY + g] = -h * (fn * ny + along * ty)
-        W[FZ + g] = -h * (fn * nz + along * tz)
+        force[X + g] = -h * (fn * nx + along * tx)
+        force[Y + g] = -h * (fn * ny + along * ty)
+        force[Z + g] = -h * (fn * nz + along * tz)
 
 
 @inlined
-def rank_two(W, row, diagonal, t0, t1, t2, a0, a1, a2, k0, k1, k2, b0, b1, b2):
+def rank_two(row, diagonal, t0, t1, t2, a0, a1, a2, k0, k1, k2, b0, b1, b2):
     """Row of component pairs: diagonal 1 + t a^T + k b^T."""
-    W[row] = diagonal + t0 * a0 + k0 * b0
-    W[row + 1] = t0 * a1 + k0 * b1
-    W[row + 2] = t0 * a2 + k0 * b2
-    W[row + 3] = t1 * a0 + k1 * b0
-    W[row + 4] = diagonal + t1 * a1 + k1 * b1
-    W[row + 5] = t1 * a2 + k1 * b2
-    W[row + 6] = t2 * a0 + k2 * b0
-    W[row + 7] = t2 * a1 + k2 * b1
-    W[row + 8] = diagonal + t2 * a2 + k2 * b2
+    row[XX] = diagonal + t0 * a0 + k0 * b0
+    row[XY] = t0 * a1 + k0 * b1
+    row[XZ] = t0 * a2 + k0 * b2
+    row[YX] = t1 * a0 + k1 * b0
+    row[YY] = diagonal + t1 * a1 + k1 * b1
+    row[YZ] = t1 * a2 + k1 * b2
+    row[ZX] = t2 * a0 + k2 * b0
+    row[ZY] = t2 * a1 + k2 * b1
+    row[ZZ] = diagonal + t2 * a2 + k2 * b2
 
 
 @inlined
 def tangent_matrices(
-    W,
+    work,
     x0,
     x1,
     v0,
@@ -222,15 +228,18 @@ def tangent_matrices(
       A11 = (T/g + c (beta^2 - k.k)) P + c (3 k.k t t^T + 3 beta (k t^T + t k^T) - k k^T).
     All are a multiple of 1 and two dyads. They are scaled for slopes d h and a length h.
     """
+    water = work.points.water
+    stretch = work.points.stretch
+    tangent = work.points.tangent
     ih = 1.0 / h
     ih2 = ih * ih
     for g in range(3):
-        ig = 1.0 / W[G + g]
-        t0 = W[TX + g]
-        t1 = W[TY + g]
-        t2 = W[TZ + g]
+        ig = 1.0 / stretch[g]
+        t0 = tangent[X + g]
+        t1 = tangent[Y + g]
+        t2 = tangent[Z + g]
         tension = tension0 + tension1 * P1[g] + stabilising * P2[g]
-        row = ROWS + 10 * g
+        row = view(work.slope_rows, SPATIAL_PAIRS * g, SPATIAL_PAIRS)
         p11 = ih * tension * ig
         if bending != 0.0:
             y0 = (x0[0] * E0[g] + x1[0] * E2[g]) * ih2 + (x0[3] * E1[g] + x1[3] * E3[g]) * ih
@@ -247,7 +256,6 @@ def tangent_matrices(
             f = 3.0 * c * kk - p11
             q = 3.0 * c * beta
             rank_two(
-                W,
                 row,
                 p11,
                 t0,
@@ -272,8 +280,7 @@ def tangent_matrices(
             m1 = q * t1 - c * k1
             m2 = q * t2 - c * k2
             rank_two(
-                W,
-                row + ROWS_12 - ROWS,
+                view(work.slope_rows, SPATIAL_PAIRS * (3 + g), SPATIAL_PAIRS),
                 -q,
                 t0,
                 t1,
@@ -289,8 +296,7 @@ def tangent_matrices(
                 -e2,
             )
             rank_two(
-                W,
-                row + ROWS_21 - ROWS,
+                view(work.slope_rows, SPATIAL_PAIRS * (6 + g), SPATIAL_PAIRS),
                 -q,
                 t0,
                 t1,
@@ -306,17 +312,24 @@ def tangent_matrices(
                 -2.0 * e2,
             )
             c *= ih
-            rank_one(W, row + ROWS_22 - ROWS, c, t0, t1, t2)
+            row = view(work.slope_rows, SPATIAL_PAIRS * (9 + g), SPATIAL_PAIRS)
+            rank_one(row, c, t0, t1, t2)
         else:
-            rank_one(W, row, p11, t0, t1, t2)
+            rank_one(row, p11, t0, t1, t2)
         if drag != 0:
-            ux = W[CX + g] - (v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g]))
-            uy = W[CY + g] - (v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[4] * H1[g] + v1[4] * H3[g]))
-            uz = W[CZ + g] - (v0[2] * H0[g] + v1[2] * H2[g] + h * (v0[5] * H1[g] + v1[5] * H3[g]))
+            ux = water[X + g] - (
+                v0[0] * H0[g] + v1[0] * H2[g] + h * (v0[3] * H1[g] + v1[3] * H3[g])
+            )
+            uy = water[Y + g] - (
+                v0[1] * H0[g] + v1[1] * H2[g] + h * (v0[4] * H1[g] + v1[4] * H3[g])
+            )
+            uz = water[Z + g] - (
+                v0[2] * H0[g] + v1[2] * H2[g] + h * (v0[5] * H1[g] + v1[5] * H3[g])
+            )
             wx = a0[0] * H0[g] + a1[0] * H2[g] + h * (a0[3] * H1[g] + a1[3] * H3[g])
             wy = a0[1] * H0[g] + a1[1] * H2[g] + h * (a0[4] * H1[g] + a1[4] * H3[g])
             wz = a0[2] * H0[g] + a1[2] * H2[g] + h * (a0[5] * H1[g] + a1[5] * H3[g])
-            root = math.sqrt(W[G + g])
+            root = math.sqrt(stretch[g])
             ut = ux * t0 + uy * t1 + uz * t2
             n0 = ux - ut * t0
             n1 = uy - ut * t1
@@ -331,8 +344,7 @@ def tangent_matrices(
             d_nn = d_p * iun * iun
             d_tt = h * (2.0 * cv * ft - ca * added) - d_p
             rank_two(
-                W,
-                row + ROWS_00 - ROWS,
+                view(work.motion_rows, SPATIAL_PAIRS * g, SPATIAL_PAIRS),
                 d_p,
                 t0,
                 t1,
@@ -356,8 +368,7 @@ def tangent_matrices(
             e_tt = -0.5 * ig * ft * ut - e_p + along * at
             e_nt = -0.5 * ig * fn
             rank_two(
-                W,
-                row + ROWS_01 - ROWS,
+                view(work.mixed_rows, SPATIAL_PAIRS * g, SPATIAL_PAIRS),
                 e_p,
                 t0,
                 t1,
@@ -375,25 +386,24 @@ def tangent_matrices(
 
 
 @inlined
-def rank_one(W, row, c, t0, t1, t2):
+def rank_one(row, c, t0, t1, t2):
     """Row of component pairs: c (1 - t t^T)."""
     c0 = -c * t0
     c1 = -c * t1
     c2 = -c * t2
-    W[row] = c + c0 * t0
-    W[row + 1] = c0 * t1
-    W[row + 2] = c0 * t2
-    W[row + 3] = c1 * t0
-    W[row + 4] = c + c1 * t1
-    W[row + 5] = c1 * t2
-    W[row + 6] = c2 * t0
-    W[row + 7] = c2 * t1
-    W[row + 8] = c + c2 * t2
+    row[XX] = c + c0 * t0
+    row[XY] = c0 * t1
+    row[XZ] = c0 * t2
+    row[YX] = c1 * t0
+    row[YY] = c + c1 * t1
+    row[YZ] = c1 * t2
+    row[ZX] = c2 * t0
+    row[ZY] = c2 * t1
+    row[ZZ] = c + c2 * t2
 
 
 residual_spatial = residual_kernel(
     3,
-    G,
     geometry,
     element_current,
     with_damping,
@@ -403,5 +413,5 @@ residual_spatial = residual_kernel(
     add_forces,
 )
 jacobian_spatial = jacobian_kernel(
-    3, 10, G, ROWS, SUMS, geometry, element_current, with_damping, tangent_matrices, PAIRS
+    3, geometry, element_current, with_damping, tangent_matrices, PAIRS
 )

@@ -18,12 +18,15 @@ from cablemodel.solvers.finite_element.kernels.line.products import block_kernel
 from cablemodel.solvers.shared.access import header
 from cablemodel.solvers.shared.compile import copy_words, kernel, own_numbers, view
 from cablemodel.solvers.shared.layout import (
-    ELIMINATION,
     JOINT_ARM,
     JOINT_FREE,
     JOINT_HINGE,
     JOINT_ROOT,
+    NodeElimination,
 )
+
+WORK_LOWER = NodeElimination.lower.word
+WORK_UPPER = NodeElimination.upper.word
 
 
 def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
@@ -94,8 +97,8 @@ def make_block_solver(size: int, parts: bool = False) -> tuple[Any, Any]:
                 condense_hinge(D, Z, A)
             else:
                 # Columns of Z = D^-1 L and of W = U D^-1, then the parent's rows: A -= W L.
-                work = head.gauss + ELIMINATION
-                columns = work + area
+                work = head.gauss + WORK_LOWER
+                columns = head.gauss + WORK_UPPER
                 copy_words(M, work, head.lower + area * node, area)
                 transpose(M, head.upper + area * node, columns)
                 for k in range(size):

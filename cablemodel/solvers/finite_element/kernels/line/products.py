@@ -100,30 +100,32 @@ def _add_term(builder: Any, total: Any, factor: float, both: Any, known: dict[fl
 
 
 def table_product(table: Any) -> Any:
-    """Kernel f(M, to, start): row e of a result is the sum over m of table[e, m] * row m.
+    """Kernel f(result, rows, width): row e of a result is the sum over m of table[e, m] * row m.
 
-    Rows are of `width` words (even), one after another from `start` and from `to`; the places do
-    not meet. The table's numbers become constants of the code, and the loop over a row vectors of
-    two: what a loop nest leaves to the optimiser's taste is thus settled, and compiled quickly.
+    Rows are of `width` words (even), one after another; the places do not meet. The table's numbers
+    become constants of the code, and the loop over a row vectors of two: what a loop nest leaves to
+    the optimiser's taste is thus settled, and compiled quickly.
     """
     factors = [[float(factor) for factor in row] for row in table]
 
     @_intrinsic(prefer_literal=True)
-    def product(typing_context: Any, array: Any, to: Any, start: Any, width: Any) -> Any:
+    def product(typing_context: Any, result: Any, array: Any, width: Any) -> Any:
         words = width.literal_value
-        signature = types.void(array, types.int64, types.int64, width)
+        signature = types.void(result, array, width)
 
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            data = make_array(signature.args[0])(context, builder, values[0]).data
+            to, start = (
+                make_array(signature.args[n])(context, builder, values[n]).data for n in range(2)
+            )
             pair = ir.VectorType(ir.DoubleType(), 2)
 
-            def place(start: Any, offset: int) -> Any:
-                word = builder.add(start, ir.Constant(ir.IntType(64), offset))
-                return builder.bitcast(builder.gep(data, [word]), pair.as_pointer())
+            def place(data: Any, word: int) -> Any:
+                address = builder.gep(data, [ir.Constant(ir.IntType(64), word)])
+                return builder.bitcast(address, pair.as_pointer())
 
             for column in range(0, words, 2):
                 rows = [
-                    builder.load(place(values[2], words * m + column), align=8)
+                    builder.load(place(start, words * m + column), align=8)
                     for m in range(len(factors[0]))
                 ]
                 known: list[dict[float, Any]] = [{} for _ in rows]
@@ -131,7 +133,7 @@ def table_product(table: Any) -> Any:
                     total = None
                     for factor, row, terms in zip(line, rows, known, strict=True):
                         total = _add_term(builder, total, factor, row, terms)
-                    builder.store(total, place(values[1], words * e + column), align=8)
+                    builder.store(total, place(to, words * e + column), align=8)
             return context.get_dummy_value()
 
         return signature, generate
@@ -204,20 +206,20 @@ def matrix_vector(size: int, sign: float, *, add: bool, columns: int | None = No
 
 
 def sums_of_two(table: Any, add: str) -> Any:
-    """Kernel f(x, start, out): weighted sums over two components of a vector, side by side.
+    """Kernel f(x, out): weighted sums over two components of a vector, side by side.
 
     table: (terms, rows), the numbers by which rows take the terms; they become constants of the
-    code. Term m of the first component is at start + m, of the second four words on; row k of both
+    code. Term m of the first component is at m of x, of the second four words on; row k of both
     is at 2 k of out. Sums replace what is there ("no"), or are added to it, term by term ("each")
     or once they are complete ("sum").
     """
     factors = [[float(factor) for factor in row] for row in table]
 
     @_intrinsic
-    def sums(typing_context: Any, vector: Any, start: Any, result: Any) -> Any:
+    def sums(typing_context: Any, vector: Any, result: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             x, out = (
-                make_array(signature.args[n])(context, builder, values[n]).data for n in (0, 2)
+                make_array(signature.args[n])(context, builder, values[n]).data for n in range(2)
             )
             pair, integer = ir.VectorType(ir.DoubleType(), 2), ir.IntType(64)
             places = [
@@ -230,7 +232,7 @@ def sums_of_two(table: Any, add: str) -> Any:
             for m, line in enumerate(factors):
                 both = ir.Constant(pair, ir.Undefined)
                 for lane in range(2):
-                    word = builder.add(values[1], ir.Constant(integer, m + 4 * lane))
+                    word = ir.Constant(integer, m + 4 * lane)
                     number = builder.load(builder.gep(x, [word]))
                     index = ir.Constant(ir.IntType(32), lane)
                     both = builder.insert_element(both, number, index)
@@ -246,7 +248,7 @@ def sums_of_two(table: Any, add: str) -> Any:
                 builder.store(total, place, align=8)
             return context.get_dummy_value()
 
-        return types.void(vector, types.int64, result), generate
+        return types.void(vector, result), generate
 
     return sums
 
@@ -296,10 +298,10 @@ def values_of_two(tables: Any) -> Any:
 
 
 def scatter_pairs(dimension: int, row: int) -> Any:
-    """Kernel f(W, start, above, upper, lower, below): an element's matrix into its nodes' blocks.
+    """Kernel f(pairs, above, upper, lower, below): an element's matrix into its nodes' blocks.
 
-    From the word `start` of W on stand the sixteen pairs of shape functions, `row` words each, with
-    a word for every pair of components. They are added to the blocks of the node above and of that
+    pairs: the sixteen pairs of shape functions, `row` words each, with a word for every pair of
+    components. They are added to the blocks of the node above and of that
     below, and replace those off the diagonal.
     """
     size = 2 * dimension
@@ -308,14 +310,13 @@ def scatter_pairs(dimension: int, row: int) -> Any:
 
     @_intrinsic
     def scatter(
-        typing_context: Any, words: Any, start: Any, above: Any, upper: Any, lower: Any, below: Any
+        typing_context: Any, pairs: Any, above: Any, upper: Any, lower: Any, below: Any
     ) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             data = [
-                make_array(signature.args[n])(context, builder, values[n]).data
-                for n in (0, 2, 3, 4, 5)
+                make_array(signature.args[n])(context, builder, values[n]).data for n in range(5)
             ]
-            first = builder.gep(data[0], [values[1]])
+            first = data[0]
 
             def place(address: Any, word: int, count: int) -> Any:
                 kind = ir.VectorType(ir.DoubleType(), count).as_pointer()
@@ -335,7 +336,7 @@ def scatter_pairs(dimension: int, row: int) -> Any:
                         builder.store(value, there, align=8)
             return context.get_dummy_value()
 
-        return types.void(words, types.int64, above, upper, lower, below), generate
+        return types.void(pairs, above, upper, lower, below), generate
 
     return scatter
 

@@ -41,10 +41,6 @@ from cablemodel.solvers.finite_element.kernels.mesh.body_passage import exchange
 from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
 from cablemodel.solvers.finite_element.kernels.outputs.summary import end_forces
 from cablemodel.solvers.finite_element.kernels.water.waves import (
-    ACCELERATION,
-    DRAG,
-    VELOCITY,
-    WET,
     buoyancy,
     displaced,
     element_water,
@@ -53,6 +49,7 @@ from cablemodel.solvers.shared.access import (
     body_at,
     body_of,
     edge_of,
+    element_points,
     energies_at,
     header,
     scalars,
@@ -61,7 +58,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import kernel, own_record, view
 from cablemodel.solvers.shared.environment import current_at, surge_at
-from cablemodel.solvers.shared.layout import GAUSS_WORDS
+from cablemodel.solvers.shared.layout import POINT_WORDS
 from cablemodel.solvers.shared.record import Record, reals
 from cablemodel.solvers.shared.strain import strain_and_slope
 
@@ -171,7 +168,7 @@ def cable_energy(I, M, node, found):
     state = scalars(M)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
+    points = element_points(I, M, 0)
     point = cable_in_water()
     tangent = point.tangent
     velocity = point.velocity
@@ -188,7 +185,7 @@ def cable_energy(I, M, node, found):
     if head.wave_count != 0:
         q0 = head.position + size * parent
         q1 = head.position + size * node
-        element_water(I, M, W, edge, view(M, q0, size), view(M, q1, size))
+        element_water(I, M, points, edge, view(M, q0, size), view(M, q1, size))
     e2 = 0.0
     for p in range(3):
         weight = h * WEIGHT[p]
@@ -197,7 +194,7 @@ def cable_energy(I, M, node, found):
             current_at(I, M, height, point.water)
         else:
             for i in range(dimension):
-                point.water[i] = W[VELOCITY + 4 * i + p]
+                point.water[i] = points.water[POINT_WORDS * i + p]
         along = 0.0
         vt = 0.0
         ut = 0.0
@@ -223,7 +220,7 @@ def cable_energy(I, M, node, found):
             found.axial += weight * energy_aside(edge, tension)
         found.bending += 0.5 * weight * edge.bending * curvature
         if head.wave_count != 0:
-            cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found)
+            cable_in_waves(I, M, points, p, edge, weight, g, un, ut, height, point, found)
         elif head.drag != 0:
             cable_in_current(I, M, node, p, weight, g, un, ut, height, point, found)
         e2 += WEIGHT_P2[p] * (g - 1.0)
@@ -279,10 +276,11 @@ def cable_in_current(I, M, node, p, weight, g, un, ut, height, point, found):
 
 
 @kernel
-def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found):
+def cable_in_waves(I, M, points, p, edge, weight, g, un, ut, height, point, found):
     """Add energies of a piece of cable, and what the water takes from it; see `energies`.
 
-    weight: length of the piece [m], at Gauss point p; W: what `element_water` has written.
+    weight: length of the piece [m], at Gauss point p; points: its element's ElementPoints,
+    for which `element_water` has been called.
     """
     head = header(I)
     state = scalars(M)
@@ -295,7 +293,7 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found):
     wt = 0.0
     for i in range(dimension):
         at += acceleration[i] * tangent[i]
-        wt += W[ACCELERATION + 4 * i + p] * tangent[i]
+        wt += points.water_acceleration[POINT_WORDS * i + p] * tangent[i]
     found.potential += weight * mass * state.gravity * (height + state.origin[2])
     added = edge.added_mass
     mass_of_water = displaced(I, M, edge)
@@ -306,11 +304,11 @@ def cable_in_waves(I, M, W, p, edge, weight, g, un, ut, height, point, found):
     for i in range(dimension):
         across = point.flow[i] - ut * tangent[i]
         drag += (fn * across + ft * tangent[i]) * velocity[i]
-        push = W[ACCELERATION + 4 * i + p]
+        push = points.water_acceleration[POINT_WORDS * i + p]
         force = mass_of_water * push
         force += added * (push - wt * tangent[i] - acceleration[i] + at * tangent[i])
         power += force * velocity[i]
-    found.drag_power -= weight * (W[WET + p] * power + W[DRAG + p] * drag)
+    found.drag_power -= weight * (points.wet[p] * power + points.drag[p] * drag)
 
 
 @kernel

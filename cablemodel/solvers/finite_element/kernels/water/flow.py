@@ -45,11 +45,17 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_forces import block_of
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
-from cablemodel.solvers.finite_element.kernels.water.waves import DRAG, element_water
-from cablemodel.solvers.shared.access import body_of, edge_of, header, scalars, vector
+from cablemodel.solvers.finite_element.kernels.water.waves import element_water
+from cablemodel.solvers.shared.access import (
+    body_of,
+    edge_of,
+    element_points,
+    header,
+    scalars,
+    vector,
+)
 from cablemodel.solvers.shared.compile import kernel, own_numbers, own_record, view
 from cablemodel.solvers.shared.environment import current_at
-from cablemodel.solvers.shared.layout import GAUSS_WORDS
 from cablemodel.solvers.shared.record import Record, reals
 
 
@@ -191,7 +197,7 @@ def element_forces(I, M, flow, frame, q, v, node, lies, f):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
+    points = element_points(I, M, 0)
     point = cable_in_flow()
     parent = I[head.parent + node]
     e = edge_of(I, M, node)
@@ -217,7 +223,7 @@ def element_forces(I, M, flow, frame, q, v, node, lies, f):
             drag = math.sqrt(stretch) * e.drag_tangential
             drag *= abs(runs) * runs - abs(still) * still
             if head.wave_count != 0:
-                drag *= W[DRAG + g]
+                drag *= points.drag[g]
         for i in range(dimension):
             point.force[i] = 0.0
             for l in range(4):
@@ -245,7 +251,7 @@ def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
+    points = element_points(I, M, 0)
     normal = vector()
     f = element_vector()
     for node in range(1, head.nodes):
@@ -256,7 +262,7 @@ def flow_residual(I, M, flow, frame, q, v, a, tension, out, out_constraint):
         share *= laid_share(I, M, q, node, normal)[0]
         if head.wave_count != 0:
             e = edge_of(I, M, node)
-            element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
+            element_water(I, M, points, e, view(q, size * parent, size), view(q, size * node, size))
         for lies in range(2):
             part = share if lies == 1 else 1.0 - share
             if part == 0.0:
@@ -317,7 +323,7 @@ def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
+    points = element_points(I, M, 0)
     above = vector()
     below = vector()
     for node in range(1, head.nodes):
@@ -329,7 +335,7 @@ def flow_jacobian(I, M, flow, frame, q, v, a, ca, cv):
         share = upper * lower
         if head.wave_count != 0:
             e = edge_of(I, M, node)
-            element_water(I, M, W, e, view(q, size * parent, size), view(q, size * node, size))
+            element_water(I, M, points, e, view(q, size * parent, size), view(q, size * node, size))
         if share < 1.0:
             add_running(I, M, flow, q, v, node, 1.0 - share, cv)
         if share > 0.0 and head.drag != 0:
@@ -354,7 +360,7 @@ def add_running(I, M, flow, q, v, node, part, cv):
     head = header(I)
     dimension = head.dimension
     size = 2 * dimension
-    W = view(M, head.gauss, GAUSS_WORDS)
+    points = element_points(I, M, 0)
     point = cable_in_flow()
     tangent = point.tangent
     parent = I[head.parent + node]
@@ -367,7 +373,7 @@ def add_running(I, M, flow, q, v, node, part, cv):
         if head.drag != 0:
             coefficient = part * math.sqrt(stretch) * e.drag_tangential
             if head.wave_count != 0:
-                coefficient *= W[DRAG + g]
+                coefficient *= points.drag[g]
         drag = coefficient * (abs(runs) * runs - abs(still) * still)
         turned = 2.0 * coefficient * (abs(runs) - abs(still))
         slides = -2.0 * coefficient * abs(runs) * flow + 0.5 * drag / stretch

@@ -31,21 +31,12 @@ from cablemodel.solvers.finite_element.kernels.water.wetting import (
     wet_shares,
 )
 from cablemodel.solvers.shared.access import cable_of, cell_of, header, scalars, vector, word_of
-from cablemodel.solvers.shared.compile import kernel, outlined, own_record
+from cablemodel.solvers.shared.compile import kernel, outlined, own_record, view
 from cablemodel.solvers.shared.environment import current_at, surge_at
-from cablemodel.solvers.shared.layout import EDGE_WORDS, ELEMENT_WORDS
+from cablemodel.solvers.shared.layout import EDGE_WORDS, POINT_WORDS
 from cablemodel.solvers.shared.record import Record, real, reals
 
 SMALLEST = 1e-3  # half of the band around the surface, at least [m]
-
-# Slots in the Gauss workspace, beyond those of both elements: four words each.
-VELOCITY = 0  # water velocity: as in the elements
-STRETCH = 12
-TANGENT = 16
-FORCE = 28
-ACCELERATION = ELEMENT_WORDS  # of the water: three slots
-WET, SLOPE = ELEMENT_WORDS + 12, ELEMENT_WORDS + 16  # share s, ds/dz
-DRAG = ELEMENT_WORDS + 20  # share by which drag counts
 
 
 class Water(Record):
@@ -166,8 +157,9 @@ def buoyancy(M, edge):
 
 
 @outlined
-def element_water(I, M, W, edge, x0, x1):
-    """Motion of the water, waves and current, and wet shares at an element's Gauss points."""
+def element_water(I, M, points, edge, x0, x1):
+    """Motion of the water, waves and current, and wet shares at an element's Gauss points
+    (ElementPoints)."""
     head = header(I)
     dimension = head.dimension
     up = dimension - 1
@@ -181,24 +173,24 @@ def element_water(I, M, W, edge, x0, x1):
             place[i] = x0[i] * H0[g] + h * x0[dimension + i] * H1[g]
             place[i] += x1[i] * H2[g] + h * x1[dimension + i] * H3[g]
         # No point is further than h from the rest of its element.
-        W[WET + g] = wave_at(I, M, place[0], place[1], place[up], h, first + g, water)
+        points.wet[g] = wave_at(I, M, place[0], place[1], place[up], h, first + g, water)
         for i in range(dimension):
-            W[VELOCITY + 4 * i + g] = water.velocity[i]
-            W[ACCELERATION + 4 * i + g] = water.acceleration[i]
+            points.water[POINT_WORDS * i + g] = water.velocity[i]
+            points.water_acceleration[POINT_WORDS * i + g] = water.acceleration[i]
         if head.current_kind != 0:
             current_at(I, M, place[up], flow)
             for i in range(dimension):
-                W[VELOCITY + 4 * i + g] += flow[i]
+                points.water[POINT_WORDS * i + g] += flow[i]
         if head.surge != 0:
             surge_at(I, M, place[up], flow)
             for i in range(dimension):
-                W[ACCELERATION + 4 * i + g] += flow[i]
-    wet_shares(W, WET, SLOPE, band(I, M, edge))
-    drag_shares(W, WET, DRAG)
+                points.water_acceleration[POINT_WORDS * i + g] += flow[i]
+    wet_shares(points, band(I, M, edge))
+    drag_shares(points)
 
 
 @outlined
-def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
+def wave_loads(I, M, points, edge, x0, x1, v0, v1, a0, a1):
     """Minus the loads of the water per unit length, beside m + ma times a and the weight in water.
 
     In place of the elements' load_forces; geometry(...) has been called.
@@ -209,7 +201,7 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
     added = edge.added_mass
     mass = displaced(I, M, edge)
     lift = buoyancy(M, edge)
-    element_water(I, M, W, edge, x0, x1)
+    element_water(I, M, points, edge, x0, x1)
     for g in range(3):
         ut = 0.0
         u2 = 0.0
@@ -217,42 +209,42 @@ def wave_loads(I, M, W, edge, x0, x1, v0, v1, a0, a1):
         wt = 0.0
         for i in range(dimension):
             d = dimension + i
-            t = W[TANGENT + 4 * i + g]
-            u = W[VELOCITY + 4 * i + g]
+            t = points.tangent[POINT_WORDS * i + g]
+            u = points.water[POINT_WORDS * i + g]
             u -= v0[i] * H0[g] + v1[i] * H2[g] + h * (v0[d] * H1[g] + v1[d] * H3[g])
             a = a0[i] * H0[g] + a1[i] * H2[g] + h * (a0[d] * H1[g] + a1[d] * H3[g])
-            W[FORCE + 4 * i + g] = u
+            points.force[POINT_WORDS * i + g] = u
             ut += u * t
             u2 += u * u
             at += a * t
-            wt += W[ACCELERATION + 4 * i + g] * t
+            wt += points.water_acceleration[POINT_WORDS * i + g] * t
         un = math.sqrt(max(0.0, u2 - ut * ut))
-        root = math.sqrt(W[STRETCH + g])
+        root = math.sqrt(points.stretch[g])
         fn = root * edge.drag_normal * un
         ft = root * edge.drag_tangential * abs(ut) * ut
-        s = W[WET + g]
-        fn *= W[DRAG + g]
-        ft *= W[DRAG + g]
+        s = points.wet[g]
+        fn *= points.drag[g]
+        ft *= points.drag[g]
         for i in range(dimension):
             d = dimension + i
-            t = W[TANGENT + 4 * i + g]
-            u = W[FORCE + 4 * i + g]
+            t = points.tangent[POINT_WORDS * i + g]
+            u = points.force[POINT_WORDS * i + g]
             a = a0[i] * H0[g] + a1[i] * H2[g] + h * (a0[d] * H1[g] + a1[d] * H3[g])
-            push = added * (a - at * t - W[ACCELERATION + 4 * i + g] + wt * t)
-            push -= mass * W[ACCELERATION + 4 * i + g]
+            push = added * (a - at * t - points.water_acceleration[POINT_WORDS * i + g] + wt * t)
+            push -= mass * points.water_acceleration[POINT_WORDS * i + g]
             # The elements' mass holds all of ma a.
-            W[FORCE + 4 * i + g] = s * push - fn * (u - ut * t) - ft * t - added * a
-        W[FORCE + 4 * (dimension - 1) + g] += (1.0 - s) * lift
-    for n in range(4 * dimension):
-        W[FORCE + n] *= h
+            points.force[POINT_WORDS * i + g] = s * push - fn * (u - ut * t) - ft * t - added * a
+        points.force[POINT_WORDS * (dimension - 1) + g] += (1.0 - s) * lift
+    for n in range(POINT_WORDS * dimension):
+        points.force[n] *= h
 
 
 @kernel
-def wet_rows(I, M, W, edge, motion, slope, width, ca):
+def wet_rows(I, M, points, edge, motion, slope, width, ca):
     """Derivatives of wave_loads from those of a wet element in calm water.
 
-    motion, slope: first words of its rows for the motion and for r', `width` apart, one for each
-    Gauss point: see the elements' tangent_matrices. The water's own gradients are left out, and all
+    motion, slope: its rows for the motion and for r', `width` words each, one for each Gauss
+    point: see the elements' tangent_matrices. The water's own gradients are left out, and all
     loads count by the shares of drag: it grows with the speed, and added mass is little beside all.
     """
     head = header(I)
@@ -261,11 +253,11 @@ def wet_rows(I, M, W, edge, motion, slope, width, ca):
     added = ca * edge.added_mass
     lift = buoyancy(M, edge)
     for g in range(3):
-        s = W[DRAG + g]
-        row = motion + width * g
+        s = points.drag[g]
+        row = view(motion, width * g, width)
         for n in range(dimension * dimension):
-            W[row + n] *= s
-            W[slope + width * g + n] *= s
+            row[n] *= s
+            slope[width * g + n] *= s
         for i in range(dimension):
-            W[row + dimension * i + i] -= (1.0 - s) * h * added
-        W[row + dimension * dimension - 1] -= h * lift * W[SLOPE + g]
+            row[dimension * i + i] -= (1.0 - s) * h * added
+        row[dimension * dimension - 1] -= h * lift * points.wet_slope[g]

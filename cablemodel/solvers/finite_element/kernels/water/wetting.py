@@ -58,28 +58,31 @@ def first_beyond(x, places):
 
 
 @outlined
-def wet_shares(W, wet, slope, half):
-    """Shares of an element's Gauss points, and their derivatives by its height [1/m].
+def wet_shares(points, half):
+    """Shares of an element's Gauss points, and their derivatives by its height [1/m], at its
+    ElementPoints.
 
-    W[wet + g], on entry: depths of the Gauss points [m]; half of the band [m].
+    points.wet, on entry: depths of the Gauss points [m]; half of the band [m].
     """
-    d0 = W[wet]
-    d1 = W[wet + 1]
-    d2 = W[wet + 2]
+    wet = points.wet
+    slope = points.wet_slope
+    d0 = wet[0]
+    d1 = wet[1]
+    d2 = wet[2]
     b = (d2 - d0) / (2.0 * OUTER)
     c = (0.5 * (d0 + d2) - d1) / (OUTER * OUTER)
     span = abs(b) + abs(c)
     if d1 - span >= half or d1 + span <= -half:
         for g in range(3):
-            W[wet + g] = 1.0 if d1 > 0.0 else 0.0
-            W[slope + g] = 0.0
+            wet[g] = 1.0 if d1 > 0.0 else 0.0
+            slope[g] = 0.0
         return
     u0, u1 = where_zero(d1 - half, b, c)
     u2, u3 = where_zero(d1 + half, b, c)
     places = (u0, u1, u2, u3)
     for g in range(3):
-        W[wet + g] = 0.0
-        W[slope + g] = 0.0
+        wet[g] = 0.0
+        slope[g] = 0.0
     x = -1.0
     while x < 1.0:
         end = first_beyond(x, places)
@@ -87,7 +90,7 @@ def wet_shares(W, wet, slope, half):
         depth = d1 + middle * (b + middle * c)
         if depth >= half and end - x == 2.0:
             for g in range(3):
-                W[wet + g] = WEIGHT[g]
+                wet[g] = WEIGHT[g]
         elif depth > -half:
             for p in range(5):
                 u = x + (end - x) * WET_POINTS[p]
@@ -95,20 +98,20 @@ def wet_shares(W, wet, slope, half):
                 part = 0.5 * (end - x) * WET_WEIGHTS[p]
                 outer = 0.5 * u / OUTER
                 inner = u * outer / OUTER
-                W[wet] += part * share * (inner - outer)
-                W[wet + 1] += part * share * (1.0 - 2.0 * inner)
-                W[wet + 2] += part * share * (inner + outer)
-                W[slope] -= part * rate * (inner - outer)
-                W[slope + 1] -= part * rate * (1.0 - 2.0 * inner)
-                W[slope + 2] -= part * rate * (inner + outer)
+                wet[0] += part * share * (inner - outer)
+                wet[1] += part * share * (1.0 - 2.0 * inner)
+                wet[2] += part * share * (inner + outer)
+                slope[0] -= part * rate * (inner - outer)
+                slope[1] -= part * rate * (1.0 - 2.0 * inner)
+                slope[2] -= part * rate * (inner + outer)
         x = end
     for g in range(3):
-        W[wet + g] /= WEIGHT[g]
-        W[slope + g] /= WEIGHT[g]
+        wet[g] /= WEIGHT[g]
+        slope[g] /= WEIGHT[g]
 
 
 @kernel
-def drag_shares(W, wet, drag):
+def drag_shares(points):
     """The shares of an element's Gauss points by which drag counts, from those of its wet part.
 
     Where little of an element is wet, or all but its middle, a share is below 0. Drag grows with
@@ -118,12 +121,14 @@ def drag_shares(W, wet, drag):
     that there is, and what is then nearest to its second moment. Where no share is below 0 they
     are the same.
     """
-    above = WEIGHT[0] * W[wet]
-    below = WEIGHT[2] * W[wet + 2]
-    length = max(0.0, above + WEIGHT[1] * W[wet + 1] + below)
+    wet = points.wet
+    drag = points.drag
+    above = WEIGHT[0] * wet[0]
+    below = WEIGHT[2] * wet[2]
+    length = max(0.0, above + WEIGHT[1] * wet[1] + below)
     # Moments of the wet part about the element's middle, in units of the outer points' distance.
     first = max(-length, min(length, below - above))
     second = max(abs(first), min(length, below + above))
-    W[drag] = 0.5 * (second - first) / WEIGHT[0]
-    W[drag + 1] = (length - second) / WEIGHT[1]
-    W[drag + 2] = 0.5 * (second + first) / WEIGHT[2]
+    drag[0] = 0.5 * (second - first) / WEIGHT[0]
+    drag[1] = (length - second) / WEIGHT[1]
+    drag[2] = 0.5 * (second + first) / WEIGHT[2]
