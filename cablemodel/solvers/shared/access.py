@@ -25,13 +25,17 @@ from cablemodel.solvers.shared.layout import (
     Cut,
     Edge,
     ElementPoints,
+    ElementTension,
     Energies,
+    FloorPlace,
     Foil,
+    FoilCoefficients,
     Foot,
     Frame,
     FrameInput,
     FreeBody,
     Header,
+    InverseCompliance,
     Layer,
     Line,
     LineFacts,
@@ -49,6 +53,7 @@ from cablemodel.solvers.shared.layout import (
     Station,
     StepInputs,
     Summary,
+    WaveResponse,
     Winch,
 )
 
@@ -85,6 +90,13 @@ line_facts_at = record_at(LineFacts)
 cable_length_at = record_at(CableLength)
 start_move_at = record_at(StartMove)
 sea_layer_at = record_at(Layer)
+tension_of, tension_at = row_of(ElementTension, Header.tension), record_at(ElementTension)
+tension_rate_of = row_of(ElementTension, Header.tension_rate)
+trial_tension_of = row_of(ElementTension, Header.trial_tension)
+compliance_of = row_of(InverseCompliance, Header.compliance)
+floor_place_at = record_at(FloorPlace)
+wave_response_at = record_at(WaveResponse)
+foil_coefficients_at = record_at(FoilCoefficients)
 element_points = row_of(ElementPoints, Header.gauss)
 planar_element = row_of(PlanarElement, Header.gauss)
 spatial_element = row_of(SpatialElement, Header.gauss)

@@ -13,7 +13,11 @@ from cablemodel.solvers.shared.access import (
     scalars,
     tow_point_of,
 )
-from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.compile import (
+    inlined,
+    kernel,
+    view,
+)
 from cablemodel.solvers.shared.layout import (
     BY_SPRING,
     HELD_BY_ANCHOR,
@@ -191,17 +195,17 @@ def current_profile(I, M, t):
         live = max(0.0, (t - given.begin) / (given.end - given.begin))
     planar = head.dimension == 2
     for j in range(depths):
-        out = head.profile + 3 * j
+        out = view(M, head.profile + 3 * j, 3)
         for i in range(3):
             at = table + (k * depths + j) * 3 + i
             value = M[at]
             if fraction > 0.0:
                 value += fraction * (M[at + 3 * depths] - value)
             start = given.first[i]
-            M[out + i] = value + start + live * (given.last[i] - start)
+            out[i] = value + start + live * (given.last[i] - start)
         if planar:
-            M[out] = state.plane[0] * M[out] + state.plane[1] * M[out + 1]
-            M[out + 1] = M[out + 2]
+            out[0] = state.plane[0] * out[0] + state.plane[1] * out[1]
+            out[1] = out[2]
     if depths == 1:
         for i in range(3):
             for g in range(POINT_WORDS):
@@ -275,14 +279,14 @@ def current_rate(I, M, t, ahead):
         return
     planar = head.dimension == 2
     for j in range(head.depth_count):
-        out = head.profile + 3 * (head.depth_count + j)
+        out = view(M, head.profile + 3 * (head.depth_count + j), 3)
         for i in range(3):
-            M[out + i] = rate_at(I, M, j, i, piece, slope, live)
-            if M[out + i] != 0.0:
+            out[i] = rate_at(I, M, j, i, piece, slope, live)
+            if out[i] != 0.0:
                 head.surge = 1
         if planar:
-            M[out] = state.plane[0] * M[out] + state.plane[1] * M[out + 1]
-            M[out + 1] = M[out + 2]
+            out[0] = state.plane[0] * out[0] + state.plane[1] * out[1]
+            out[1] = out[2]
 
 
 @kernel
@@ -358,9 +362,10 @@ def shear_at(I, M, z, out):
     over = 1.0 / (M[grid + low + 1] - M[grid + low])
     if fraction <= 0.0 or fraction >= 1.0:
         over = 0.0  # as at the table's end
+    lower = view(M, head.profile + 3 * low, 3)
+    upper = view(M, head.profile + 3 * (low + 1), 3)
     for i in range(3):
-        at = head.profile + 3 * low + i
-        out[i] = over * (M[at + 3] - M[at])
+        out[i] = over * (upper[i] - lower[i])
 
 
 @kernel
@@ -375,8 +380,10 @@ def over_depth(I, M, profile, z, out):
     fraction = 0.0
     if depths > 1:
         low, fraction = interval(M, grid, depths, height)
+    lower = view(M, profile + 3 * low, 3)
+    upper = view(M, profile + 3 * (low + 1), 3)
     for i in range(3):
-        value = M[profile + 3 * low + i]
+        value = lower[i]
         if fraction > 0.0:
-            value += fraction * (M[profile + 3 * low + 3 + i] - value)
+            value += fraction * (upper[i] - value)
         out[i] = value

@@ -73,12 +73,12 @@ class Header(Record):
     position = integer("places and tangents r, d (nodes, 2, dimension) [m], [-]")
     velocity = integer("their rates (nodes, 2, dimension)")
     acceleration = integer("their second derivatives (nodes, 2, dimension)")
-    tension = integer("at both ends of each element (nodes, 2) [N]")
+    tension = integer("of each element (ElementTension) [N]")
     diagonal = integer("blocks of the factorisation, each (2 dimension, 2 dimension)")
     upper = integer("the same, above the diagonal")
     lower = integer("the same, below the diagonal")
     gradient = integer("of the constraint of each element (nodes, 2, 4, dimension)")
-    compliance = integer("inverse of the constraints' compliance (nodes, 3)")
+    compliance = integer("inverse of the constraints' compliance (InverseCompliance)")
     backup = integer("copy of the image while a step is made")
     stage_velocity = integer("velocities of the stages of a step, four of them")
     stage_acceleration = integer("accelerations of the stages of a step, four of them")
@@ -94,7 +94,7 @@ class Header(Record):
     profile = integer("current at each depth, now: velocities, then their rates")
     gauss = integer("scratch memory of an element or node (PlanarElement, SpatialElement, ...)")
     motion = integer("of the tow point (Motion), then columns for the waves' components")
-    tension_rate = integer("rates of the tensions (nodes, 2) [N/s]")
+    tension_rate = integer("rates of the tensions (ElementTension) [N/s]")
     stage_tension = integer("tensions of the stages of a step")
     stretch = integer("rates of stretch that the tensions ask for (nodes, 2)")
     stage_tensions = integer("tensions in a step's stages, of what is watched (nodes, 6) [N]")
@@ -131,7 +131,7 @@ class Header(Record):
         "what two_step_wait is set to at a refusal: doubles while it is refused"
     )
 
-    floor = integer("start of x (nx), y (ny), then z, z_x, z_y, z_xy of every place, x slowest")
+    floor = integer("start of x (nx), y (ny), then every place (FloorPlace), x slowest")
     rest = integer("start of rest of the friction bristles: places, slopes (nodes, 2, d) [m, -]")
     cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
     axial_waves = integer("ends that are held below which waves run along that are followed")
@@ -330,6 +330,39 @@ JOINT_ARM = 3  # a point of the free body that is the parent: its place follows,
 JOINT_FREE = 4  # a free body whose reference point is the parent's place; it turns by itself
 JOINT_ROOT = 5  # nothing: a tree of its own
 JOINT_ROOT_FREE = 6  # nothing: a free body that is a root
+
+
+class ElementTension(Record):
+    """Tension in an element, or its rate: mean + slope P1, P1 from -1 to 1 along it."""
+
+    mean = real("of the element", "N")
+    slope = real("how much more it is at its end than in its middle", "N")
+
+
+TENSION_WORDS = ElementTension.WORDS
+
+
+class InverseCompliance(Record):
+    """Tensions by what an element's two constraints miss."""
+
+    s00 = real("the mean by the mean", "N/m")
+    s01 = real("the mean by the moment, and the slope by the mean", "N/m")
+    s11 = real("the slope by the moment", "N/m")
+
+
+COMPLIANCE_WORDS = InverseCompliance.WORDS
+
+
+class FloorPlace(Record):
+    """The floor at a place of its table."""
+
+    z = real("height", "m")
+    by_x = real("its slope along x")
+    by_y = real("its slope along y")
+    by_xy = real("its second derivative by both", "1/m")
+
+
+FLOOR_PLACE_WORDS = FloorPlace.WORDS
 
 
 class Ramp(Record):
@@ -583,10 +616,19 @@ class Frame(Record):
 FRAME_WORDS = Frame.WORDS
 LIVE_NOT, LIVE, LIVE_RETURNS = 0, 1, 2  # the scene; the caller; a step back to the scene
 
+
 # Responses of a frame to a wave of 1 m: cosine and sine parts of surge, sway, heave [m], roll,
 # pitch, yaw [rad], of each component and heading. A heading is where the waves go to, from the
 # frame's x axis.
-RAO_WORDS = 12
+class WaveResponse(Record):
+    """Of a frame in one of its six freedoms, to a wave of 1 m."""
+
+    even = real("with the cosine of the wave's phase", "m or rad")
+    odd = real("with its sine", "m or rad")
+
+
+RESPONSE_WORDS = WaveResponse.WORDS
+RAO_WORDS = 6 * RESPONSE_WORDS
 
 
 class WrenchRamp(Record):
@@ -691,6 +733,16 @@ class Foil(Record):
 
 FOIL_WORDS = Foil.WORDS
 FOIL_ANGLES = 361  # from -180 to 180 degrees
+
+
+class FoilCoefficients(Record):
+    """Of a foil at an angle of its table."""
+
+    lift = real("coefficient")
+    drag = real("coefficient")
+
+
+COEFFICIENT_WORDS = FoilCoefficients.WORDS
 
 
 class Cut(Record):

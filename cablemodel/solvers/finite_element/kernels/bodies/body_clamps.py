@@ -17,7 +17,14 @@ from cablemodel.solvers.finite_element.kernels.bodies.free_bodies import arm_mom
 from cablemodel.solvers.finite_element.kernels.bodies.rigid import clamp_stiffness, stiffen_gently
 from cablemodel.solvers.finite_element.kernels.bodies.rotation import to_earth_axes
 from cablemodel.solvers.finite_element.kernels.bodies.slopes import slope_direction
-from cablemodel.solvers.shared.access import closure_of, edge_of, free_body_of, header, vector
+from cablemodel.solvers.shared.access import (
+    closure_of,
+    edge_of,
+    free_body_of,
+    header,
+    tension_of,
+    vector,
+)
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import JOINT_ARM, MODEL_HYBRID
 
@@ -144,8 +151,8 @@ def update_body_clamps(I, M, share):
         begins = I[head.joint + node] == JOINT_ARM
         element = node + 1 if begins else node
         edge = edge_of(I, M, element)
-        slope = M[head.tension + 2 * element + 1]
-        tension = M[head.tension + 2 * element] + (-slope if begins else slope)
+        slope = tension_of(I, M, element).slope
+        tension = tension_of(I, M, element).mean + (-slope if begins else slope)
         before = row.tension
         row.tension += share * (tension - before)
         resolved = edge.model != MODEL_HYBRID

@@ -28,6 +28,7 @@ from cablemodel.solvers.shared.access import (
     header,
     new_motion,
     scalars,
+    tension_of,
     vector,
     winch_of,
 )
@@ -80,11 +81,11 @@ def present_tension(I, M):
     """
     head = header(I)
     near = NEXT * free_length(I, M)
-    tension = M[head.tension + 2] - M[head.tension + 3]
+    tension = tension_of(I, M, 1).mean - tension_of(I, M, 1).slope
     length = edge_of(I, M, 1).length
     node = 2
     while node < head.nodes and length < near:
-        tension = max(tension, M[head.tension + 2 * node])
+        tension = max(tension, tension_of(I, M, node).mean)
         length += edge_of(I, M, node).length
         node += 1
     return tension

@@ -33,6 +33,7 @@ from cablemodel.solvers.finite_element.kernels.water.waves import water_at, wave
 from cablemodel.solvers.finite_element.kernels.water.wetting import OUTER, share_at
 from cablemodel.solvers.shared.access import (
     arm_of,
+    foil_coefficients_at,
     foil_of,
     free_body_of,
     header,
@@ -44,6 +45,7 @@ from cablemodel.solvers.shared.compile import kernel, own_numbers, view
 from cablemodel.solvers.shared.environment import current_at, surge_at
 from cablemodel.solvers.shared.layout import (
     BODY_CELLS,
+    COEFFICIENT_WORDS,
     FLOOR_TOUCHED,
     FOIL_ANGLES,
     HULL_CYLINDER,
@@ -182,10 +184,10 @@ def foil_coefficients(M, table, angle):
     lift = 0.0
     drag = 0.0
     for n in range(4):
-        row = table + 2 * ((k - 1 + n) % period)
+        row = foil_coefficients_at(M, table + COEFFICIENT_WORDS * ((k - 1 + n) % period))
         weight = w0 if n == 0 else (w1 if n == 1 else (w2 if n == 2 else w3))
-        lift += weight * M[row]
-        drag += weight * M[row + 1]
+        lift += weight * row.lift
+        drag += weight * row.drag
     return lift, drag
 
 

@@ -9,10 +9,15 @@ the heading changes slowly against the waves.
 import math
 
 from cablemodel.solvers.finite_element.kernels.water.airy import column
-from cablemodel.solvers.shared.access import header, scalars
+from cablemodel.solvers.shared.access import (
+    header,
+    scalars,
+    wave_response_at,
+)
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     RAO_WORDS,
+    RESPONSE_WORDS,
     W_AMPLITUDE,
     W_FREQUENCY,
     W_NUMBER,
@@ -90,9 +95,11 @@ def add_response(I, M, row, t):
             a = amplitudes[n]
             phase = number * way - frequency * t + phases[n]
             rate = number * speed - frequency
-            at = n * RAO_WORDS + 2 * freedom
-            even = (1.0 - part) * M[near + at] + part * M[far + at]
-            odd = (1.0 - part) * M[near + at + 1] + part * M[far + at + 1]
+            at = n * RAO_WORDS + RESPONSE_WORDS * freedom
+            before = wave_response_at(M, near + at)
+            beyond = wave_response_at(M, far + at)
+            even = (1.0 - part) * before.even + part * beyond.even
+            odd = (1.0 - part) * before.odd + part * beyond.odd
             cosine = math.cos(phase)
             sine = math.sin(phase)
             value = a * (even * cosine + odd * sine)

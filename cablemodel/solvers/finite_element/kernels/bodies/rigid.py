@@ -37,9 +37,11 @@ from cablemodel.solvers.finite_element.kernels.mesh.body_passage import part_row
 from cablemodel.solvers.shared.access import (
     body_at,
     body_of,
+    compliance_of,
     edge_of,
     header,
     scalars,
+    tension_of,
     vector,
     winch_of,
 )
@@ -197,8 +199,8 @@ def update_clamps(I, M, share):
             if edge == 0 or (side == 1 and row.tie != 0.0):
                 row.clamp[side] = 0.0  # no cable there: the vessel or a spring holds the slope
                 continue
-            slope = M[head.tension + 2 * edge + 1]
-            tension = M[head.tension + 2 * edge] + (slope if side == 0 else -slope)
+            slope = tension_of(I, M, edge).slope
+            tension = tension_of(I, M, edge).mean + (slope if side == 0 else -slope)
             row_of_edge = edge_of(I, M, edge)
             before = row.clamp_tension[side]
             row.clamp_tension[side] += share * (tension - row.clamp_tension[side])
@@ -409,9 +411,10 @@ def rigid_jacobian(I, M, q, v, a, tension, ca, cv):
                 dimension, k, q, outer + dimension, False, reach, axis, D_inner, D_outer, U, L
             )
         stiffness = 1.0 / of_body.compliance
-        M[head.compliance + 3 * node] = stiffness
-        M[head.compliance + 3 * node + 1] = 0.0
-        M[head.compliance + 3 * node + 2] = stiffness
+        inverse = compliance_of(I, M, node)
+        inverse.s00 = stiffness
+        inverse.s01 = 0.0
+        inverse.s11 = stiffness
         B = M[head.gradient + 4 * size * node : head.gradient + 4 * size * node + dimension]
         geometric = tension[2 * node] / reach
         near = 0.5 * (1.0 - of_body.offset)
@@ -459,7 +462,7 @@ def condense_rigid(I, M, out_constraint, out):
         if row < 0:
             continue
         node, outer, inner = attachments(I, M, body_at(M, row))
-        z = M[head.compliance + 3 * node] * out_constraint[2 * node]
+        z = compliance_of(I, M, node).s00 * out_constraint[2 * node]
         B = head.gradient + 4 * size * node
         for i in range(dimension):
             out[inner + i] -= z * M[B + i]

@@ -23,6 +23,7 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_of,
     vector,
     winch_of,
 )
@@ -115,7 +116,7 @@ def update_springs(I, M, share):
     if winch_of(I, M, 0).passing_body != 0.0:
         row.share = 0.0
         return
-    tension = M[head.tension + 2] - M[head.tension + 3]
+    tension = tension_of(I, M, 1).mean - tension_of(I, M, 1).slope
     before = state.clamp_tension
     state.clamp_tension += share * (tension - before)
     edge = edge_of(I, M, 1)

@@ -27,7 +27,13 @@ from cablemodel.solvers.finite_element.kernels.water.waves import (
     wave_loads,
     wet_rows,
 )
-from cablemodel.solvers.shared.access import edge_of, element_points, header, scalars
+from cablemodel.solvers.shared.access import (
+    compliance_of,
+    edge_of,
+    element_points,
+    header,
+    scalars,
+)
 from cablemodel.solvers.shared.compile import kernel, view
 
 _product_d = table_product(LINES_D)
@@ -216,7 +222,7 @@ def jacobian_kernel(
 
             # Gradient of the constraints, and the compliance.
             constraint_gradient(work, h, view(M, head.gradient + words * node, words))
-            stiffness = view(M, head.compliance + 3 * node, 3)
+            stiffness = compliance_of(I, M, node)
             s00, s01, s11 = invert_compliance(M, edge, t0, t1, stiffness)
             s22 = 5.0 * eas / h
             s00 += cv * edge.damping / h

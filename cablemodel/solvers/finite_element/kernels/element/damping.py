@@ -17,7 +17,11 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT_P1,
 )
 from cablemodel.solvers.finite_element.kernels.mesh.payout import rate_words
-from cablemodel.solvers.shared.access import edge_of, header
+from cablemodel.solvers.shared.access import (
+    edge_of,
+    header,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.layout import POINT_WORDS
 
@@ -109,4 +113,4 @@ def damping_in(I, M, element):
 def carried(I, M, element):
     """Mean of T + D in an element of the state [N]."""
     d0, _d1, _lost = damping_in(I, M, element)
-    return M[header(I).tension + 2 * element] + d0
+    return tension_of(I, M, element).mean + d0

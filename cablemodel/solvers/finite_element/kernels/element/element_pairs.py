@@ -34,6 +34,7 @@ from cablemodel.solvers.finite_element.kernels.line.products import (
     two_products,
 )
 from cablemodel.solvers.shared.access import (
+    compliance_of,
     edge_of,
     element_points,
     header,
@@ -88,7 +89,7 @@ def strain_missed(M, points, edge, t0, t1):
 @inlined
 def invert_compliance(M, edge, t0, t1, stored):
     """Inverse S of an element's compliance under the tension t0 + t1 P1: its three components,
-    which are stored too."""
+    which are stored too (InverseCompliance)."""
     h = edge.length
     c00 = 0.0
     c01 = 0.0
@@ -108,10 +109,10 @@ def invert_compliance(M, edge, t0, t1, stored):
         c01 += h * d01
         c11 += h * d11
     determinant = 1.0 / (c00 * c11 - c01 * c01)
-    stored[0] = c11 * determinant
-    stored[1] = -c01 * determinant
-    stored[2] = c00 * determinant
-    return stored[0], stored[1], stored[2]
+    stored.s00 = c11 * determinant
+    stored.s01 = -c01 * determinant
+    stored.s11 = c00 * determinant
+    return stored.s00, stored.s01, stored.s11
 
 
 def missed_kernel(dimension: int, geometry: Any) -> Any:
@@ -159,7 +160,7 @@ def gradient_kernel(dimension: int, geometry: Any, constraint_gradient: Any) -> 
             parent = I[head.parent + node]
             geometry(work.points, view(q, size * parent, size), view(q, size * node, size), h)
             constraint_gradient(work, h, view(M, head.gradient + words * node, words))
-            stiffness = view(M, head.compliance + 3 * node, 3)
+            stiffness = compliance_of(I, M, node)
             invert_compliance(M, edge, tension[2 * node], tension[2 * node + 1], stiffness)
 
     return gradients
@@ -359,11 +360,11 @@ def constraint_kernels(dimension: int) -> tuple[Any, Any]:
         for node in range(1, nodes):
             if joints[node] != 0:
                 continue
-            s = view(M, head.compliance + 3 * node, 3)
+            s = compliance_of(I, M, node)
             r0 = out_constraint[2 * node]
             r1 = out_constraint[2 * node + 1]
-            z[0] = s[0] * r0 + s[1] * r1
-            z[1] = s[1] * r0 + s[2] * r1
+            z[0] = s.s00 * r0 + s.s01 * r1
+            z[1] = s.s01 * r0 + s.s11 * r1
             add_columns(gradients, words * node, z, 0, 1, out, size * parents[node])
             add_columns(gradients, words * node + 2 * size, z, 0, 1, out, size * node)
 

@@ -46,6 +46,7 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
@@ -104,7 +105,7 @@ def has_slack(I, M):
     if not (scalars(M).yields > 0.0 or head.floor_state == FLOOR_TOUCHED):
         return False
     for node in range(1, head.nodes):
-        pressure = -M[head.tension + 2 * node]
+        pressure = -tension_of(I, M, node).mean
         if pressure <= 0.0 or I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
@@ -236,7 +237,7 @@ def choose_law(I, M, node, promised):
     state = scalars(M)
     edge = edge_of(I, M, node)
     limp = state.yields > 0.0 and is_laid_slack(I, edge)
-    t0, t1 = M[header(I).tension + 2 * node], M[header(I).tension + 2 * node + 1]
+    t0, t1 = tension_of(I, M, node).mean, tension_of(I, M, node).slope
     if not limp and edge.bears > 0.0 and folds(M, edge, t0, t1):
         return  # a stiffer one would be pressed by what it has been shortened by
     edge.bears = 0.0
@@ -293,8 +294,8 @@ def damp_slack(I, M, node, promised):
     """Choose the damping that an element which may be slack has in the next step: that of its
     material where it is taut, as what is slack closes without stretching it."""
     edge = edge_of(I, M, node)
-    t0 = M[header(I).tension + 2 * node]
-    t1 = M[header(I).tension + 2 * node + 1]
+    t0 = tension_of(I, M, node).mean
+    t1 = tension_of(I, M, node).slope
     if is_limp(edge) and t0 < abs(t1):
         mean, moment = strain_rate(I, M, node)
         slowest = SLOWEST_FOLD / scalars(M).period
@@ -342,7 +343,7 @@ def follow_limp(I, M):
         if I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
+        t0, t1 = tension_of(I, M, node).mean, tension_of(I, M, node).slope
         stays = t0 - abs(t1) > promised or (edge.yields == 0.0 and not folds_now)
         if stays and (edge.damping_full == 0.0 or edge.flexible == 0.0):
             damp_evenly(edge, edge.damping_full)

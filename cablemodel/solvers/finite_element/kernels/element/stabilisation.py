@@ -28,6 +28,7 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_of,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel
 
@@ -77,7 +78,7 @@ def stiffness_of_ring(I, M, edge):
 def unlocked_stiffness(I, M, node):
     """That with which what bending leaves in the mode is tau of the element's tension [N]."""
     strain = abs(strain_of_bend(I, M, node)) + STRETCH_STRAIGHT
-    return scalars(M).tolerance * abs(M[header(I).tension + 2 * node]) / strain
+    return scalars(M).tolerance * abs(tension_of(I, M, node).mean) / strain
 
 
 @kernel
@@ -87,7 +88,7 @@ def stabilise(I, M):
     state = scalars(M)
     largest = 0.0
     for node in range(head.nodes):
-        largest = max(largest, abs(M[head.tension + 2 * node]))
+        largest = max(largest, abs(tension_of(I, M, node).mean))
     state.third_mode = max(state.third_mode, STABILISATION * largest)
     changed = 0
     for n in range(1, head.nodes + head.cable_count):
@@ -198,7 +199,7 @@ def follow_third_mode(I, M, share):
         if abs(edge.third_rest) < FORGOTTEN * stiffness:
             edge.third_rest = 0.0
         forget_stretch(edge, SLOWLY * share)
-        tension = M[head.tension + 2 * node] if taut else 0.0
+        tension = tension_of(I, M, node).mean if taut else 0.0
         outgrown = tension if tension > stiffness or over else 0.0
         wanted = wanted_stiffness(I, M, node, edge, outgrown, rings, over)
         if wanted > stiffness:

@@ -1,7 +1,12 @@
 """The tension-strain curve: Sun & Leonard 1998, eq. 21, without its constant term."""
 
 from cablemodel.solvers.finite_element.kernels.element.tables import P1, WEIGHT, WEIGHT_P1
-from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.access import (
+    edge_of,
+    header,
+    scalars,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     LARGEST_STRAIN,
@@ -189,7 +194,7 @@ def overstretched(I, M):
     for node in range(1, head.nodes):
         edge = edge_of(I, M, node)
         if I[head.joint + node] == 0:
-            strain, _slope = strain_in(M, edge, M[head.tension + 2 * node])
+            strain, _slope = strain_in(M, edge, tension_of(I, M, node).mean)
             if strain > LARGEST_STRAIN:
                 return node
     return 0

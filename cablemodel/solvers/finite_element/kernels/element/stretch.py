@@ -19,7 +19,12 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WEIGHT_P1,
     WEIGHT_P2,
 )
-from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.access import (
+    edge_of,
+    header,
+    scalars,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, outlined
 
 OF_A_HALF = 0.75  # of the third mode's amplitude: the linear part of it in each half
@@ -64,8 +69,8 @@ def splitting_tears(I, M, edge):
     if scalars(M).undamped != 0.0:
         return False
     promised = promised_tension(M)
-    t = header(I).tension + 2 * edge
-    taut = M[t] - abs(M[t + 1]) > promised
+    tension = tension_of(I, M, edge)
+    taut = tension.mean - abs(tension.slope) > promised
     off = OF_A_HALF * abs(third_strain(I, M, edge))
     return taut and off > promised * edge_of(I, M, edge).compliance
 
@@ -74,9 +79,9 @@ def splitting_tears(I, M, edge):
 def rest_as_stretched(I, M, node):
     """Let what an element is stretched by, and its tension does not say, be its strain at rest."""
     edge = edge_of(I, M, node)
-    t = header(I).tension + 2 * node
+    tension = tension_of(I, M, node)
     mean, moment, _third = strains(I, M, node, 1.0, 1.0)
-    strain, slope, _c00, _c01, _c11, _bent = moments(M, edge, M[t], M[t + 1])
+    strain, slope, _c00, _c01, _c11, _bent = moments(M, edge, tension.mean, tension.slope)
     edge.stretch_rest = edge.length * (mean - strain)
     edge.moment_rest = edge.length * (moment - slope)
     scalars(M).stiffened = 1.0

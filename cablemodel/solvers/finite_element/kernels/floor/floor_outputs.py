@@ -25,6 +25,7 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_of,
     vector,
 )
 from cablemodel.solvers.shared.compile import kernel, own_record, view
@@ -220,7 +221,7 @@ def begin_zone(I, M, node, turned, arc, begin, zone, touchdown):
     normal = vector()
     zone.geometric = arc + begin * edge.length
     layer = (edge.bending_full / edge.contact) ** (1.0 / 3.0)
-    tension = max(0.0, M[header(I).tension + 2 * node])
+    tension = max(0.0, tension_of(I, M, node).mean)
     layer += math.sqrt(2.0 * scalars(M).floor_depth * tension / edge.contact)
     zone.first = zone.geometric + ZONE[0] * layer
     zone.last = zone.geometric + ZONE[1] * layer

@@ -2,10 +2,17 @@
 
 import math
 
-from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
+from cablemodel.solvers.shared.access import (
+    edge_of,
+    floor_place_at,
+    header,
+    scalars,
+    vector,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.environment import interval
 from cablemodel.solvers.shared.layout import (
+    FLOOR_PLACE_WORDS,
     FLOOR_PLANE,
 )
 
@@ -41,11 +48,11 @@ def table_height(I, M, x, y):
             e1 = 0.0
             if ny > 1:
                 m0, m1, e0, e1 = cubic_end(b, w, hy)
-            at = data + 4 * ((i + a) * ny + j + b)
-            along = n0 * M[at] + n1 * M[at + 1]
-            across = n0 * M[at + 2] + n1 * M[at + 3]
+            at = floor_place_at(M, data + FLOOR_PLACE_WORDS * ((i + a) * ny + j + b))
+            along = n0 * at.z + n1 * at.by_x
+            across = n0 * at.by_y + n1 * at.by_xy
             z += m0 * along + m1 * across
-            zx += m0 * (d0 * M[at] + d1 * M[at + 1]) + m1 * (d0 * M[at + 2] + d1 * M[at + 3])
+            zx += m0 * (d0 * at.z + d1 * at.by_x) + m1 * (d0 * at.by_y + d1 * at.by_xy)
             zy += e0 * along + e1 * across
     outside = x < M[grid_x] or x > M[grid_x + nx - 1]
     if outside:

@@ -83,6 +83,7 @@ from cablemodel.solvers.finite_element.kernels.water.surge import push_elements
 from cablemodel.solvers.finite_element.kernels.water.waves import set_wave_time
 from cablemodel.solvers.shared.access import (
     closure_of,
+    compliance_of,
     constraint_of,
     edge_of,
     frame_of,
@@ -498,11 +499,11 @@ def recover_tension(I, M, constraint, x, tension, iterates):
     for node in range(1, nodes):
         if joints[node] == JOINT_HINGE:
             continue
-        s = view(M, head.compliance + 3 * node, 3)
+        s = compliance_of(I, M, node)
         r0 = constraint[2 * node] + work[2 * node]
         r1 = constraint[2 * node + 1] + work[2 * node + 1]
-        d0 = s[0] * r0 + s[1] * r1
-        d1 = s[1] * r0 + s[2] * r1
+        d0 = s.s00 * r0 + s.s01 * r1
+        d1 = s.s01 * r0 + s.s11 * r1
         if iterates and joints[node] == 0:
             t0 = tension[2 * node]
             t1 = tension[2 * node + 1]
@@ -542,11 +543,11 @@ def elongation_rate(I, M, v, tension_rate, out):
     head = header(I)
     material_stretch_rate(I, M, v, out)
     for node in range(1, head.nodes):
-        s = head.compliance + 3 * node
-        determinant = M[s] * M[s + 2] - M[s + 1] * M[s + 1]
+        s = compliance_of(I, M, node)
+        determinant = s.s00 * s.s11 - s.s01 * s.s01
         if determinant == 0.0:
             continue
         t0 = tension_rate[2 * node]
         t1 = tension_rate[2 * node + 1]
-        out[2 * node] -= (M[s + 2] * t0 - M[s + 1] * t1) / determinant
-        out[2 * node + 1] -= (M[s] * t1 - M[s + 1] * t0) / determinant
+        out[2 * node] -= (s.s11 * t0 - s.s01 * t1) / determinant
+        out[2 * node + 1] -= (s.s00 * t1 - s.s01 * t0) / determinant

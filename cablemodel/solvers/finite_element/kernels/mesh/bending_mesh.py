@@ -35,6 +35,7 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
     vector,
     word_of,
 )
@@ -84,9 +85,8 @@ def is_pressed_aside(I, M, node):
 @kernel
 def may_snap(I, M, node):
     """Whether an element is slack, and too long for the waves of the snap that ends that."""
-    head = header(I)
     edge = edge_of(I, M, node)
-    t0, t1 = M[head.tension + 2 * node], M[head.tension + 2 * node + 1]
+    t0, t1 = tension_of(I, M, node).mean, tension_of(I, M, node).slope
     if is_limp(edge) or not folds(M, edge, t0, t1):
         return False
     finer = math.pow(scalars(M).tolerance / 1e-3, 0.25)
@@ -203,7 +203,7 @@ def follow_bending(I, M, change):
                     return NO_CAPACITY
                 changed = CHANGED
             elif bends_too_much(I, M, node, max(jumps[node - 1], jumps[node])) or (
-                M[head.tension + 2 * node] < 0.0 and is_pressed_aside(I, M, node)
+                tension_of(I, M, node).mean < 0.0 and is_pressed_aside(I, M, node)
             ):
                 if (
                     head.nodes + head.left_out < state.most_nodes

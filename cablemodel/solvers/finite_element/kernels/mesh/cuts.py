@@ -25,6 +25,7 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_at,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import kernel
@@ -41,6 +42,7 @@ from cablemodel.solvers.shared.layout import (
     NO_CAPACITY,
     NODES_OF_A_CUT,
     OK,
+    TENSION_WORDS,
     WHOLLY,
 )
 
@@ -89,7 +91,8 @@ def let_go_step(M):
 @kernel
 def tension_there(M, tension, node, x):
     """Tension at a fraction of an element [N]; tension: word of an array of them."""
-    return M[tension + 2 * node] + (2.0 * x - 1.0) * M[tension + 2 * node + 1]
+    there = tension_at(M, tension + TENSION_WORDS * node)
+    return there.mean + (2.0 * x - 1.0) * there.slope
 
 
 @kernel
@@ -133,9 +136,9 @@ def new_node(I, M, like, node):
         M[head.velocity + size * node + k] = M[head.velocity + size * like + k]
         M[head.acceleration + size * node + k] = M[head.acceleration + size * like + k]
         M[head.rest + size * node + k] = M[head.rest + size * like + k]
-    for k in range(2):
-        M[head.tension + 2 * node + k] = 0.0
-        M[head.tension_rate + 2 * node + k] = 0.0
+    for k in range(TENSION_WORDS):
+        M[head.tension + TENSION_WORDS * node + k] = 0.0
+        M[head.tension_rate + TENSION_WORDS * node + k] = 0.0
     for k in range(EDGE_WORDS):
         M[head.edges + EDGE_WORDS * node + k] = 0.0
     I[head.joint + node] = JOINT_ROOT

@@ -8,7 +8,13 @@ from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
 from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
-from cablemodel.solvers.shared.access import constraint_of, edge_of, header, scalars
+from cablemodel.solvers.shared.access import (
+    constraint_of,
+    edge_of,
+    header,
+    scalars,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
@@ -62,7 +68,7 @@ def lies_to(I, M, row):
             element = node if outward else before
             if I[head.joint + element] != JOINT_NONE:
                 continue
-            largest = max(largest, abs(M[head.tension + 2 * element]))
+            largest = max(largest, abs(tension_of(I, M, element).mean))
             edge = edge_of(I, M, element)
             if not hangs and edge.compliance > 0.0:
                 ea_mu_w = max(ea_mu_w, state.friction * edge.contact / edge.compliance)
@@ -127,7 +133,7 @@ def lay_to_anchors(I, M):
             element = node if outward else before
             if node != -1 and I[head.joint + element] == JOINT_NONE:
                 edge = edge_of(I, M, element)
-                tension = M[head.tension + 2 * element]
+                tension = tension_of(I, M, element).mean
                 stretch += edge.length * strain_in(M, edge, tension)[0]
 
 

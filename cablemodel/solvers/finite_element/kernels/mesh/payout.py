@@ -44,6 +44,9 @@ from cablemodel.solvers.shared.access import (
     header,
     matter_of,
     scalars,
+    tension_at,
+    tension_of,
+    tension_rate_of,
     vector,
     winch_of,
     word_of,
@@ -54,6 +57,7 @@ from cablemodel.solvers.shared.layout import (
     EXACTLY,
     NO_CAPACITY,
     OK,
+    TENSION_WORDS,
     WHOLLY,
     Matter,
 )
@@ -271,9 +275,12 @@ def move_node(I, M, node, to):
         M[head.velocity + size * to + k] = M[head.velocity + size * node + k]
         M[head.acceleration + size * to + k] = M[head.acceleration + size * node + k]
         M[head.rest + size * to + k] = M[head.rest + size * node + k]
-    for k in range(2):
-        M[head.tension + 2 * to + k] = M[head.tension + 2 * node + k]
-        M[head.tension_rate + 2 * to + k] = M[head.tension_rate + 2 * node + k]
+    for array in range(2):
+        tensions = head.tension if array == 0 else head.tension_rate
+        there = tension_at(M, tensions + TENSION_WORDS * to)
+        here = tension_at(M, tensions + TENSION_WORDS * node)
+        there.mean = here.mean
+        there.slope = here.slope
     for k in range(EDGE_WORDS):
         M[head.edges + EDGE_WORDS * to + k] = M[head.edges + EDGE_WORDS * node + k]
     I[head.joint + to] = I[head.joint + node]
@@ -450,9 +457,10 @@ def split_edge(I, M, edge, x, hinge):
             M[head.rest + size * node + k] = rest[k]
         for k in range(EDGE_WORDS):
             M[head.edges + EDGE_WORDS * node + k] = M[head.edges + EDGE_WORDS * lower + k]
-        for k in range(2):
-            M[head.tension + 2 * node + k] = 0.0
-            M[head.tension_rate + 2 * node + k] = 0.0
+        tension_of(I, M, node).mean = 0.0
+        tension_of(I, M, node).slope = 0.0
+        tension_rate_of(I, M, node).mean = 0.0
+        tension_rate_of(I, M, node).slope = 0.0
         I[head.joint + node] = 0
     if hinge:
         I[head.joint + edge + 1] = 1
@@ -460,12 +468,14 @@ def split_edge(I, M, edge, x, hinge):
         edge_of(I, M, edge + 1).start += x * h
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
-        mean = M[t + 2 * lower]
-        slope = M[t + 2 * lower + 1]
-        M[t + 2 * edge] = mean + slope * (x - 1.0)
-        M[t + 2 * edge + 1] = slope * x
-        M[t + 2 * lower] = mean + slope * x
-        M[t + 2 * lower + 1] = slope * (1.0 - x)
+        before = tension_at(M, t + TENSION_WORDS * edge)
+        beyond = tension_at(M, t + TENSION_WORDS * lower)
+        mean = beyond.mean
+        slope = beyond.slope
+        before.mean = mean + slope * (x - 1.0)
+        before.slope = slope * x
+        beyond.mean = mean + slope * x
+        beyond.slope = slope * (1.0 - x)
     edge_of(I, M, edge).length = x * h
     edge_of(I, M, lower).length = h - x * h
     edge_of(I, M, lower).start += x * h
@@ -540,13 +550,15 @@ def join_at(I, M, node, count):
         both0, both1 = tensions_of_both(I, M, upper, lower)
     for array in range(2):
         t = head.tension if array == 0 else head.tension_rate
-        top = M[t + 2 * upper] - M[t + 2 * upper + 1]
-        bottom = M[t + 2 * lower] + M[t + 2 * lower + 1]
-        M[t + 2 * lower] = (h1 * M[t + 2 * upper] + h2 * M[t + 2 * lower]) / h
-        M[t + 2 * lower + 1] = 0.5 * (bottom - top)
+        before = tension_at(M, t + TENSION_WORDS * upper)
+        both = tension_at(M, t + TENSION_WORDS * lower)
+        top = before.mean - before.slope
+        bottom = both.mean + both.slope
+        both.mean = (h1 * before.mean + h2 * both.mean) / h
+        both.slope = 0.5 * (bottom - top)
     if aside:
-        M[head.tension + 2 * lower] = both0
-        M[head.tension + 2 * lower + 1] = both1
+        tension_of(I, M, lower).mean = both0
+        tension_of(I, M, lower).slope = both1
     edge_of(I, M, lower).start = start
     edge_of(I, M, lower).stabilisation = least_stiffness(M, edge_of(I, M, lower))
     edge_of(I, M, lower).third_rest = 0.0

@@ -42,10 +42,16 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_of,
+    trial_tension_of,
     vector,
     word_of,
 )
-from cablemodel.solvers.shared.compile import copy_words, kernel, view
+from cablemodel.solvers.shared.compile import (
+    copy_words,
+    kernel,
+    view,
+)
 from cablemodel.solvers.shared.environment import over_depth
 from cablemodel.solvers.shared.layout import (
     CONSTRAINT_WORDS,
@@ -253,8 +259,8 @@ def flow_squared(I, M, profile):
     for k in range(head.depth_count):
         z = M[head.depths + k] - state.origin[2]
         if state.sleep_low < z and z < state.sleep_high:
-            at = profile + 3 * k
-            largest = max(largest, M[at] ** 2 + M[at + 1] ** 2 + M[at + 2] ** 2)
+            there = view(M, profile + 3 * k, 3)
+            largest = max(largest, there[0] ** 2 + there[1] ** 2 + there[2] ** 2)
     return largest
 
 
@@ -430,8 +436,8 @@ def prepare_joining(I, M, first):
         if I[head.joint + node] != 0:
             continue
         edge = edge_of(I, M, node)
-        t0 = M[head.tension + 2 * node]
-        t1 = M[head.tension + 2 * node + 1]
+        t0 = tension_of(I, M, node).mean
+        t1 = tension_of(I, M, node).slope
         strain, _slope = strain_in(M, edge, t0 + t1)
         if may_be_slack(edge, t0, t1):
             mean, first_mode, _c00, _c01, _c11, _bent = moments(M, edge, t0, t1)
@@ -457,7 +463,7 @@ def hold(I, M, node):
     """
     head = header(I)
     state = scalars(M)
-    state.sleep_tension = M[head.tension + 2 * node]
+    state.sleep_tension = tension_of(I, M, node).mean
     state.sleep_way = edge_of(I, M, node).length
     q = view(M, head.position, 2 * head.dimension * (node + 1))
     place_before(I, M, q, node, state.sleep_way, state.sleep_place)
@@ -472,7 +478,7 @@ def disturbance(I, M):
     state = scalars(M)
     node = head.nodes - 1
     size = 2 * head.dimension
-    if not abs(M[head.trial_tension + 2 * node] - state.sleep_tension) <= state.sleep_spare:
+    if not abs(trial_tension_of(I, M, node).mean - state.sleep_tension) <= state.sleep_spare:
         return 1
     q = view(M, head.trial_position, size * (node + 1))
     place = vector()

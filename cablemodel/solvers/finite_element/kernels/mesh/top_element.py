@@ -42,6 +42,8 @@ from cablemodel.solvers.shared.access import (
     edge_of,
     header,
     scalars,
+    tension_of,
+    tension_rate_of,
     vector,
     winch_of,
     word_of,
@@ -295,13 +297,13 @@ def let_body_come(I, M):
     edge_at(M, word_of(M, edge) + EDGE_WORDS).start = -winch.paid
     for array in range(2):
         # The split has left the mean of the piece above: the tension at the new node.
-        t = head.tension if array == 0 else head.tension_rate
-        M[t + 2] += M[t + 3]
-        M[t + 3] = 0.0
+        first = tension_of(I, M, 1) if array == 0 else tension_rate_of(I, M, 1)
+        first.mean += first.slope
+        first.slope = 0.0
     row = body_at(M, body_above(I, M, cable))
     row.node = 1.0
-    row.clamp_tension[0] = M[head.tension + 2]
-    row.clamp_tension[1] = M[head.tension + 2]
+    row.clamp_tension[0] = tension_of(I, M, 1).mean
+    row.clamp_tension[1] = tension_of(I, M, 1).mean
     winch.passing_body = 1.0 + (word_of(M, row) - head.bodies) // BODY_WORDS
     along_the_body(I, M, new_axis())
     body_moved(I, M, row)
@@ -323,8 +325,8 @@ def let_cable_follow(I, M):
     length = winch.top_length - row.length
     axis = new_axis()
     along_the_body(I, M, axis)
-    tension = M[head.tension + 2]
-    rate = M[head.tension_rate + 2]
+    tension = tension_of(I, M, 1).mean
+    rate = tension_rate_of(I, M, 1).mean
     open_gap(I, M, 1, 1)
     for k in range(EDGE_WORDS):
         M[head.edges + EDGE_WORDS + k] = 0.0
@@ -333,10 +335,10 @@ def let_cable_follow(I, M):
     edge_of(I, M, 1).start = -winch.paid
     edge_of(I, M, 2).start = length - winch.paid
     I[head.joint + 1] = 0
-    M[head.tension + 2] = tension
-    M[head.tension + 3] = 0.0
-    M[head.tension_rate + 2] = rate
-    M[head.tension_rate + 3] = 0.0
+    tension_of(I, M, 1).mean = tension
+    tension_of(I, M, 1).slope = 0.0
+    tension_rate_of(I, M, 1).mean = rate
+    tension_rate_of(I, M, 1).slope = 0.0
     speed = winch.rate
     for i in range(dimension):
         at = size + i

@@ -37,6 +37,7 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
     vector,
     winch_of,
     word_of,
@@ -214,7 +215,7 @@ def measure_promise(I, M, gaps, promised, spare):
             largest = 0.0
         if node == head.nodes or I[head.joint + node] != 0:
             continue
-        tension = abs(M[head.tension + 2 * node])
+        tension = abs(tension_of(I, M, node).mean)
         largest = max(largest, tension, largest_tension_of(I, M, node))
         if gaps[node] >= state.floor_depth:
             edge = edge_of(I, M, node)
@@ -260,8 +261,8 @@ def length_by_grip(I, M, node, promised, way):
 def landing_radius(I, M, node, gap, layer):
     """Radius to which an element bends where it lands [m]; gap: its height at present [m]."""
     # T - w z hardly changes along a hanging cable: the tension that it will land with.
-    at = header(I).tension + 2 * node
-    tension = M[at] - abs(M[at + 1])
+    at = tension_of(I, M, node)
+    tension = at.mean - abs(at.slope)
     return layer + max(0.0, tension / edge_of(I, M, node).contact - max(0.0, gap))
 
 
@@ -330,10 +331,9 @@ def finest_flexible(I, M, node):
 
     Under pressure, where it buckles, sooner; where drag hardly damps, none is halved then.
     """
-    head = header(I)
     state = scalars(M)
     accuracy = position_accuracy(I, M, node)
-    if M[head.tension + 2 * node] < 0.0:
+    if tension_of(I, M, node).mean < 0.0:
         return 1e300 if state.undamped != 0.0 else PUSHED * accuracy
     return bend_allowed(I, M, node) if state.undamped != 0.0 else TOUCHDOWN_FINEST * accuracy
 

@@ -53,6 +53,7 @@ from cablemodel.solvers.shared.access import (
     energies_at,
     header,
     scalars,
+    tension_of,
     vector,
     winch_of,
 )
@@ -178,8 +179,8 @@ def cable_energy(I, M, node, found):
     h = edge.length
     v0, _a0 = rate_words(I, M, parent)
     v1, _a1 = rate_words(I, M, node)
-    mean = M[head.tension + 2 * node]
-    slope = M[head.tension + 2 * node + 1]
+    mean = tension_of(I, M, node).mean
+    slope = tension_of(I, M, node).slope
     dry = edge.added_mass if head.wave_count != 0 else 0.0
     found.kinetic += 0.5 * h * (edge.mass - dry) * square(M, v0, v1, dimension, h)
     if head.wave_count != 0:

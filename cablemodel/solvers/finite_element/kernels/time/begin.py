@@ -13,6 +13,7 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
@@ -144,7 +145,7 @@ def worst_of_shape(I, M, out):
         out[n] = 0.0
     for node in range(1, head.nodes):
         out[0] = max(out[0], bent[node])
-        out[2] = min(out[2], M[head.tension + 2 * node])
+        out[2] = min(out[2], tension_of(I, M, node).mean)
         if I[head.joint + node] != JOINT_NONE:
             continue
         square = 0.0

@@ -27,7 +27,11 @@ from cablemodel.solvers.finite_element.kernels.line.inertia import is_held
 from cablemodel.solvers.finite_element.kernels.line.newton import refactor
 from cablemodel.solvers.finite_element.kernels.mesh.payout import slope_is_held
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import inlined, kernel, view
+from cablemodel.solvers.shared.compile import (
+    inlined,
+    kernel,
+    view,
+)
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
     FLOOR_TOUCHED,
@@ -244,17 +248,17 @@ def off_plane(I, M, node, normal):
     """
     h = edge_of(I, M, node).length
     start = header(I).position
-    q0 = start + 6 * I[header(I).parent + node]
-    q1 = start + 6 * node
-    dx = (M[q1] - M[q0]) / h
-    dy = (M[q1 + 1] - M[q0 + 1]) / h
+    above = view(M, start + 6 * I[header(I).parent + node], 6)  # place, slope
+    below = view(M, start + 6 * node, 6)
+    dx = (below[0] - above[0]) / h
+    dy = (below[1] - above[1]) / h
     along = math.sqrt(dx * dx + dy * dy)
     normal[0] = -dy / along if along > 0.0 else 0.0
     normal[1] = dx / along if along > 0.0 else 1.0
     normal[2] = 0.0
-    above = M[q0 + 3] * normal[0] + M[q0 + 4] * normal[1]
-    below = M[q1 + 3] * normal[0] + M[q1 + 4] * normal[1]
-    return max(abs(above), abs(below))
+    begins = above[3] * normal[0] + above[4] * normal[1]
+    ends = below[3] * normal[0] + below[4] * normal[1]
+    return max(abs(begins), abs(ends))
 
 
 @kernel

@@ -18,7 +18,14 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
     refactor_state,
     state_constraints,
 )
-from cablemodel.solvers.shared.access import edge_of, header, scalars, spare_row
+from cablemodel.solvers.shared.access import (
+    compliance_of,
+    edge_of,
+    header,
+    scalars,
+    spare_row,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import copy_words, kernel
 from cablemodel.solvers.shared.layout import FLOOR_NONE, GivenShapeRows
 
@@ -49,8 +56,8 @@ def stretch_by(I, M, stretch, gamma_dt):
     most = scalars(M).length
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
-            t = head.tension + 2 * node
-            M[t], M[t + 1], _others = tensions_after(
+            tension = tension_of(I, M, node)
+            tension.mean, tension.slope, _others = tensions_after(
                 M, edge_of(I, M, node), 0.0, 0.0, stretch - 1.0, 0.0
             )
     off = constraint_size(I, M)
@@ -119,9 +126,9 @@ def stretch_to_tension(I, M):
         residual(I, M, q, v, a, tension, forces, constraint)
         jacobian(I, M, q, v, a, tension, 1.0, 1.0)
         for node in range(1, nodes):
-            s = head.compliance + 3 * node
+            s = compliance_of(I, M, node)
             r0 = constraint[2 * node]
             r1 = constraint[2 * node + 1]
-            tension[2 * node] += M[s] * r0 + M[s + 1] * r1
-            tension[2 * node + 1] += M[s + 1] * r0 + M[s + 2] * r1
+            tension[2 * node] += s.s00 * r0 + s.s01 * r1
+            tension[2 * node + 1] += s.s01 * r0 + s.s11 * r1
     head.factored = 0

@@ -2,7 +2,10 @@
 
 from cablemodel.solvers.finite_element.kernels.time.backup import keep_sleepers
 from cablemodel.solvers.shared.access import constraint_of, header, scalars
-from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.compile import (
+    kernel,
+    view,
+)
 
 
 @kernel
@@ -34,17 +37,19 @@ def promote(I, M):
         elif array == 3:
             start = head.rest
         for node in range(head.nodes - 1, -1, -1):
-            h = M[start + 4 * node]
-            z = M[start + 4 * node + 1]
-            dh = M[start + 4 * node + 2]
-            dz = M[start + 4 * node + 3]
-            to = start + 6 * node
-            M[to] = px * h
-            M[to + 1] = py * h
-            M[to + 2] = z
-            M[to + 3] = px * dh
-            M[to + 4] = py * dh
-            M[to + 5] = dz
+            planar = view(M, start + 4 * node, 4)
+            h = planar[0]
+            z = planar[1]
+            dh = planar[2]
+            dz = planar[3]
+            place = view(M, start + 6 * node, 3)
+            slope = view(M, start + 6 * node + 3, 3)
+            place[0] = px * h
+            place[1] = py * h
+            place[2] = z
+            slope[0] = px * dh
+            slope[1] = py * dh
+            slope[2] = dz
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
         unfold(row.position, px, py)

@@ -57,6 +57,8 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
+    trial_tension_of,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
@@ -260,7 +262,7 @@ def begin_rings(I, M, dt):
         allowed = allowed_of(I, M, row)
         if moved == 0.0:
             continue
-        taut = M[head.tension + 2 * top]  # by more it does not ring: it goes slack
+        taut = tension_of(I, M, top).mean  # by more it does not ring: it goes slack
         if state.heard == 0.0 or allowed / moved < state.heard:
             state.heard = allowed / moved
             state.heard_most = taut / moved
@@ -291,7 +293,7 @@ def begin_rings(I, M, dt):
             head.rings += 1
         row.ring_lasts = 0.0
         row.ring = made + of_jerk
-        begin_window(I, M, row, state.time, M[head.tension + 2 * top])
+        begin_window(I, M, row, state.time, tension_of(I, M, top).mean)
     if head.rings + head.axial_waves != 0:
         follow_third_mode(I, M, 0.0)
     state.modes_known = 1.0
@@ -343,8 +345,8 @@ def follow_rings(I, M, dt, scheme):
         top = watched_element(I, row)
         angle = row.ring_frequency * dt
         y = row.ring_frequency * (state.time - row.ring_since) - 2.0 * math.pi
-        before = M[head.tension + 2 * top]
-        after = M[head.trial_tension + 2 * top]
+        before = tension_of(I, M, top).mean
+        after = trial_tension_of(I, M, top).mean
         if scheme < 0:
             add_to_window(row, y, 0.5 * angle, before)
             add_to_window(row, y + angle, 0.5 * angle, after)

@@ -17,6 +17,10 @@ from cablemodel.solvers.shared.access import (
     line_of,
     scalars,
     spare_row,
+    tension_at,
+    tension_of,
+    tension_rate_of,
+    trial_tension_of,
     vector,
     winch_of,
 )
@@ -26,6 +30,7 @@ from cablemodel.solvers.shared.layout import (
     SLACK_NOWHERE,
     SLACK_SOMEWHERE,
     SLACK_UNKNOWN,
+    TENSION_WORDS,
     SlackRows,
 )
 from cablemodel.solvers.shared.slack import NONE, count_step, taut_from
@@ -99,7 +104,7 @@ def set_thresholds(I, M):
             line = line_of(I, M, line_row(I, M, node))
             edge = edge_of(I, M, node)
             line.threshold += abs(edge.weight) * edge.length
-            line.after = max(line.after, abs(M[head.tension + 2 * node]))
+            line.after = max(line.after, abs(tension_of(I, M, node).mean))
     for n in range(head.line_count):
         line = line_of(I, M, n)
         line.threshold = taut_from(line.before, line.after, line.threshold)
@@ -125,8 +130,9 @@ def extend(I, M, line, node, tension):
     # From `near` to `far` along the tree its tension, linear within it, is none.
     near = 0.0
     far = 1.0
-    push = -M[tension + 2 * node]
-    slope = M[tension + 2 * node + 1]
+    there = tension_at(M, tension + TENSION_WORDS * node)
+    push = -there.mean
+    slope = there.slope
     if abs(slope) > push:
         if slope > 0.0:
             far = 0.5 + 0.5 * push / slope
@@ -161,7 +167,7 @@ def look_along(I, M, position, tension, after):
         if I[head.joint + node] != 0:
             continue
         line = line_of(I, M, line_row(I, M, node))
-        mean = M[tension + 2 * node]
+        mean = tension_at(M, tension + TENSION_WORDS * node).mean
         lowest = line.after if after else line.before
         if (mean <= 0.0 or mean < lowest) and not lies(I, M, node, position):
             if mean <= 0.0:
@@ -170,7 +176,7 @@ def look_along(I, M, position, tension, after):
                 line.after = min(lowest, mean)
             elif mean < lowest:
                 line.before = mean
-                line.rate = M[head.tension_rate + 2 * node]
+                line.rate = tension_rate_of(I, M, node).mean
 
 
 @kernel
@@ -195,7 +201,7 @@ def any_slack(I, M):
     """Whether some cable off the floor has no tension in the trial."""
     head = header(I)
     for node in range(1, head.nodes):
-        if M[head.trial_tension + 2 * node] <= 0.0 and I[head.joint + node] == 0:
+        if trial_tension_of(I, M, node).mean <= 0.0 and I[head.joint + node] == 0:
             if not lies(I, M, node, head.trial_position):
                 return True
     return False

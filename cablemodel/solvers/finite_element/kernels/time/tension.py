@@ -47,6 +47,9 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
+    tension_rate_of,
+    trial_tension_of,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
@@ -116,7 +119,7 @@ def keep_stage_tensions(I, M, stage):
     """Keep the tensions of a step's stage, by its number, of what is watched."""
     head = header(I)
     for node in range(1, watched(I)):
-        M[head.stage_tensions + 6 * node + stage] = M[head.trial_tension + 2 * node]
+        M[head.stage_tensions + 6 * node + stage] = trial_tension_of(I, M, node).mean
 
 
 @kernel
@@ -254,7 +257,7 @@ def remember_tensions(I, M):
     for node in range(1, head.nodes):
         if I[head.joint + node] == 0:
             cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-            cable.tension = max(cable.tension, abs(M[head.tension + 2 * node]))
+            cable.tension = max(cable.tension, abs(tension_of(I, M, node).mean))
 
 
 @inlined
@@ -310,8 +313,8 @@ def two_step_error(I, M, dt):
     for node in range(1, watched(I)):
         if not is_watched(I, node):
             continue
-        final = M[head.trial_tension + 2 * node]
-        predicted = M[head.tension + 2 * node] + dt * M[head.tension_rate + 2 * node]
+        final = trial_tension_of(I, M, node).mean
+        predicted = tension_of(I, M, node).mean + dt * tension_rate_of(I, M, node).mean
         first = M[head.stage_tensions + 6 * node]
         lasting = 0.5 * abs(final - first) / SHARE_OF_LIMITED
         passed_over = abs(final - predicted)
@@ -319,7 +322,7 @@ def two_step_error(I, M, dt):
             along = FOLLOWS
         missed = min(passed_over, lasting)
         if head.parts != 0:
-            change = abs(final - M[head.tension + 2 * node])
+            change = abs(final - tension_of(I, M, node).mean)
             missed = max(missed, phase_missed(change, abs(final - first)))
         worst = max(worst, missed / allowed_at(I, M, node))
     return worst, along
@@ -564,9 +567,8 @@ def gives_way(I, M, tension):
 def bend_of_tension(I, M, dt):
     """What the top tension changes by in a step of dt, or in the one before it, and twice what
     that differs by: a bound of its second derivative times the square of dt [tolerances]."""
-    head = header(I)
-    change = M[head.trial_tension + 2] - M[head.tension + 2]
-    before = dt * M[head.tension_rate + 2]
+    change = trial_tension_of(I, M, 1).mean - tension_of(I, M, 1).mean
+    before = dt * tension_rate_of(I, M, 1).mean
     largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
     return largest / tension_tolerance(M)
 

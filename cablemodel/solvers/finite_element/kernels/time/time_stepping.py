@@ -88,7 +88,12 @@ from cablemodel.solvers.finite_element.kernels.time.two_step import (
     two_step_gamma,
 )
 from cablemodel.solvers.finite_element.kernels.time.waves import follow_with_mesh
-from cablemodel.solvers.shared.access import edge_of, header, scalars
+from cablemodel.solvers.shared.access import (
+    edge_of,
+    header,
+    scalars,
+    tension_of,
+)
 from cablemodel.solvers.shared.compile import inlined, kernel, own_record, view
 from cablemodel.solvers.shared.environment import find_piece
 from cablemodel.solvers.shared.layout import (
@@ -219,7 +224,7 @@ def update_bending(I, M):
             continue
         h = e.length
         stiffness = e.bending_full
-        geometric = h * h * (M[head.tension + 2 * node] - abs(M[head.tension + 2 * node + 1]))
+        geometric = h * h * (tension_of(I, M, node).mean - abs(tension_of(I, M, node).slope))
         if e.bending == 0.0:
             if stiffness > BENDING_ON * fine * geometric:
                 e.bending = stiffness

@@ -29,7 +29,12 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
 )
 from cablemodel.solvers.finite_element.kernels.time.tension import watched
-from cablemodel.solvers.shared.access import header, motion_piece_of, scalars
+from cablemodel.solvers.shared.access import (
+    compliance_of,
+    header,
+    motion_piece_of,
+    scalars,
+)
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
 from cablemodel.solvers.shared.environment import surge_jump
 
@@ -96,8 +101,8 @@ def keep_first_tensions(I, M, tension, constraint):
     """Tensions of what is watched by the positions that are predicted."""
     head = header(I)
     for node in range(1, watched(I)):
-        s = view(M, head.compliance + 3 * node, 3)
-        stretched = s[0] * constraint[2 * node] + s[1] * constraint[2 * node + 1]
+        s = compliance_of(I, M, node)
+        stretched = s.s00 * constraint[2 * node] + s.s01 * constraint[2 * node + 1]
         M[head.stage_tensions + 6 * node] = tension[2 * node] + stretched
 
 

@@ -33,6 +33,8 @@ from cablemodel.solvers.shared.access import (
     header,
     scalars,
     spare_row,
+    tension_of,
+    trial_tension_of,
     winch_of,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel
@@ -185,8 +187,8 @@ def least_tension(I, M, root, end):
     least = math.inf
     for node in range(root + 1, end):
         if I[head.joint + node] == 0:
-            tension = head.tension + 2 * node
-            least = min(least, M[tension] - abs(M[tension + 1]))
+            tension = tension_of(I, M, node)
+            least = min(least, tension.mean - abs(tension.slope))
     return least
 
 
@@ -234,7 +236,7 @@ def speed_of_stretch(I, M, row, dt):
         M[speeds + node] = M[speeds + I[head.parent + node]]
         if I[head.joint + node] == 0:
             edge = edge_of(I, M, node)
-            more = M[head.trial_tension + 2 * node] - M[head.tension + 2 * node]
+            more = trial_tension_of(I, M, node).mean - tension_of(I, M, node).mean
             M[speeds + node] += more * (edge.compliance * edge.length / dt)
     if M[times + farthest] == 0.0:
         return 0.0
