@@ -446,8 +446,19 @@ def own_numbers(count: int) -> Any:
     return own
 
 
+_VIEWED: dict[int, type[Record]] = {}
+
+
 def row_of(record: type[Record], table: Field) -> Any:
-    """Kernel f(I, M, n): row n of the table of records that starts at the header's word `table`."""
+    """Kernel f(I, M, n): row n of the table of records that starts at the header's word `table`.
+
+    Raises:
+        TypeError: another record is there, and one of them does not say that it shares the place.
+    """
+    other = _VIEWED.setdefault(table.place, record)
+    if other is not record and not record.WITHIN == other.WITHIN == table.place:
+        names = f"{record.__name__} and {other.__name__}"
+        raise TypeError(f"{names} are both at `{table.name}`: declare them within={table.name}")
 
     @_intrinsic
     def named(typing_context: Any, header: Any, words: Any, row: Any) -> Any:

@@ -1009,10 +1009,12 @@ class PartMotion(Record):
 
 PART_WORDS = PartMotion.WORDS
 
-# Users of the spare rows, with the rows that they name: each has its own while it is at work.
+# Users of the spare rows (access.spare_row), with the rows that they name, by words of a node: each
+# has its own while it is at work. They begin where the stages' velocities are, and go on over their
+# accelerations.
 
 
-class SearchRows(Record):
+class SearchRows(Record, within=Header.stage_velocity):
     """Of a search for an equilibrium, behind those of a look at mesh and limp cable: statics.py."""
 
     _spare = spare(STAGE_ROWS)
@@ -1021,14 +1023,14 @@ class SearchRows(Record):
     bore = real("what the floor bore for long, before it followed the load")
 
 
-class BeginRows(Record):
+class BeginRows(Record, within=Header.stage_velocity):
     """Of what a run begins with: begin.py."""
 
     bent = real("by how much each element bends")
     accelerations = reals(6, "that supports leave as they are", "m/s2")
 
 
-class LimpRows(Record):
+class LimpRows(Record, within=Header.stage_velocity, beside=(SearchRows,)):
     """Of a look at what is limp: limp.py."""
 
     hung = real("what holds up what hangs there", "N")
@@ -1037,7 +1039,7 @@ class LimpRows(Record):
     held = real("where it is held")
 
 
-class MeshRows(Record):
+class MeshRows(Record, within=Header.stage_velocity, beside=(SearchRows,)):
     """Of a look at the mesh: touchdown_mesh.py, bending_mesh.py."""
 
     gaps = real("over the floor", "m")
@@ -1049,7 +1051,7 @@ class MeshRows(Record):
     ways = real("along the floor", "m")
 
 
-class FilterRows(Record):
+class FilterRows(Record, within=Header.stage_velocity):
     """Of what a step's matrix leaves of an error: tension.py, as a step's error is found."""
 
     left = reals(2, "what is left in tensions", "N")
@@ -1057,7 +1059,7 @@ class FilterRows(Record):
     accelerations = reals(6, "of the motion that is filtered", "m/s2")
 
 
-class SolvedRows(Record):
+class SolvedRows(Record, within=Header.stage_velocity):
     """Of tensions that are solved for, at the end of a step: tension.py."""
 
     places = reals(6, "of the state that is solved for", "m")
@@ -1067,14 +1069,20 @@ class SolvedRows(Record):
     rates = reals(6, "of those", "N/s")
     curved = reals(6, "what curvature takes of a rate of stretch")
     strained = reals(6, "rates of strain")
-    softness = reals(6, "compliances that are set aside while tensions are solved for")
 
 
-class AlongRows(Record):
+class SoftnessRows(Record, within=Header.stage_velocity, beside=(SolvedRows,)):
+    """Of the solution itself for these tensions: tension.py."""
+
+    _spare = spare(SolvedRows.WORDS)
+    softness = reals(6, "compliances that are set aside meanwhile")
+
+
+class AlongRows(Record, within=Header.stage_velocity, beside=(SolvedRows,)):
     """Of sums along lines from an end that is held: rings.py, waves.py. Tensions that were solved
     for may wait meanwhile, whose compliances have been given back."""
 
-    _spare = spare(SolvedRows.softness.word)
+    _spare = spare(SolvedRows.WORDS)
     displacements = real("in the first motion along itself, by a unit of gravity", "s2")
     masses = real("at each node", "kg")
     beyond = real("what hangs, or swings, beyond it")
@@ -1083,14 +1091,14 @@ class AlongRows(Record):
     speeds = real("by which what is before it is stretched", "m/s")
 
 
-class SlackRows(Record):
+class SlackRows(Record, within=Header.stage_velocity, beside=(SolvedRows,)):
     """Of the tension from which a line is taut again: slack.py, as a step is taken, too."""
 
-    _spare = spare(SolvedRows.softness.word)
+    _spare = spare(SolvedRows.WORDS)
     ties = real("how much holds each node")
 
 
-class ConsistentRows(Record):
+class ConsistentRows(Record, within=Header.stage_velocity):
     """Of a state that is made consistent between steps, as it was: consistency.py."""
 
     places = reals(6, "and slopes", "m")
@@ -1100,20 +1108,20 @@ class ConsistentRows(Record):
     rates = reals(2, "of those", "N/s")
 
 
-class GivenShapeRows(Record):
+class GivenShapeRows(Record, within=Header.stage_velocity):
     """Of a shape that a scene gives, as it is stretched alike: given_shape.py."""
 
     given = reals(6, "places and slopes, as they were given", "m")
     even = reals(6, "the same at the last stretch that was found", "m")
 
 
-class SummaryRows(Record):
+class SummaryRows(Record, within=Header.stage_velocity):
     """Of what is read of a state: summary.py."""
 
     elements = real("of the line, by their numbers")
 
 
-class ResponseRows(Record):
+class ResponseRows(Record, within=Header.stage_velocity):
     """Of a change of the tow point's motion: interface.py."""
 
     motion = reals(6, "of places and slopes", "m")
@@ -1132,7 +1140,7 @@ MOTIONS = 60
 POINT_WORDS = 4
 
 
-class ElementPoints(Record):
+class ElementPoints(Record, within=Header.gauss):
     """An element at its Gauss points."""
 
     water = reals(3 * POINT_WORDS, "velocity; of all elements where it is the same at all", "m/s")
@@ -1152,7 +1160,7 @@ class ElementPoints(Record):
 PLANAR_PAIRS, SPATIAL_PAIRS = 4, 10
 
 
-class PlanarElement(Record):
+class PlanarElement(Record, within=Header.gauss):
     """The Jacobian of an element in a plane, as it is made."""
 
     points = part(ElementPoints, "the element at its Gauss points")
@@ -1172,7 +1180,7 @@ class PlanarElement(Record):
     a22 = reals(4 * POINT_WORDS, "A22 in the same way")
 
 
-class SpatialElement(Record):
+class SpatialElement(Record, within=Header.gauss):
     """The same in space."""
 
     points = part(ElementPoints, "the element at its Gauss points")
@@ -1189,10 +1197,10 @@ class SpatialElement(Record):
     gradient = reals(3 * 4 * 3, "of both constraints and the third strain mode, by shape functions")
 
 
-class NodeElimination(Record):
+class NodeElimination(Record, within=Header.gauss, beside=(ElementPoints,)):
     """Two blocks of the elimination of a node: block_solver.py. The elements' water waits."""
 
-    points = part(ElementPoints, "of an element")
+    _spare = spare(ElementPoints.WORDS)
     lower = reals(36, "the block below the diagonal, by rows")
     upper = reals(36, "that above it, by columns")
 

@@ -170,6 +170,8 @@ class Record:
     FIELDS: ClassVar[dict[str, Field]] = {}
     WORDS: ClassVar[int] = 0
     FIRST: ClassVar[int] = 0
+    WITHIN: ClassVar[int | None] = None
+    BESIDE: ClassVar[tuple[type[Record], ...]] = ()
 
     __slots__ = ("_first", "_words")
 
@@ -178,8 +180,21 @@ class Record:
         self._words = memory
         self._first = self.FIRST if first is None else first
 
-    def __init_subclass__(cls, *, first: int = 0) -> None:
-        cls.FIRST = first
+    def __init_subclass__(
+        cls,
+        *,
+        first: int = 0,
+        within: Field | None = None,
+        beside: tuple[type[Record], ...] = (),
+    ) -> None:
+        """Where the words are.
+
+        first: word of a block, of a record that there is one of. within: of scratch memory that
+        several users have, each at its time, the header's word where it starts; beside: those users
+        that may have it at the same time, so that no word of theirs may be one of these.
+        """
+        cls.FIRST, cls.BESIDE = first, beside
+        cls.WITHIN = None if within is None else within.place
         cls.FIELDS = {name: field for name, field in vars(cls).items() if isinstance(field, Field)}
         word = 0
         for name, field in cls.FIELDS.items():

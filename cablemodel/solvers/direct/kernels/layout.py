@@ -264,7 +264,7 @@ SUPERPOSED = 2 * WIDTH + 4
 """Words of a row in superposition."""
 
 
-class PartialSolutions(Record):
+class PartialSolutions(Record, within=OwnHeader.sweep):
     """Of a node, y0 + Y z (superposition.py), for two right-hand sides."""
 
     particular = reals(2 * WIDTH, "y0 of each side")
@@ -275,7 +275,7 @@ class PartialSolutions(Record):
     cross = reals(HALF * HALF, "B by rows")
 
 
-class EliminatedRows(Record):
+class EliminatedRows(Record, within=OwnHeader.sweep):
     """Of a slot, what elimination keeps in the same words for the way back (elimination.py)."""
 
     rows = reals(WIDTH * ELIMINATED, "by rows: those from which the unknowns on its left follow")
@@ -309,7 +309,7 @@ RHS_WORDS = SlotSides.WORDS
 # Users of the scratch memory at `work`, one at a time.
 
 
-class AssemblyWork(Record):
+class AssemblyWork(Record, within=OwnHeader.work):
     """Of the assembly of the linear system: assembly.py."""
 
     residual = reals(WIDTH, "rows of a slot at the iterate")
@@ -320,7 +320,7 @@ class AssemblyWork(Record):
     by_stretch_slope = reals(WIDTH, "by the difference of stretch over its length")
 
 
-class SuperpositionWork(Record):
+class SuperpositionWork(Record, within=OwnHeader.work):
     """Of the solution by superposition: superposition.py."""
 
     solution = reals(2 * WIDTH, "z of both sides of slot C, the left one's first, of each side")
@@ -330,7 +330,7 @@ class SuperpositionWork(Record):
     pivot_row = integers(HALF + WIDTH, "row whose pivot a column holds, -1: none")
 
 
-class EliminationWork(Record):
+class EliminationWork(Record, within=OwnHeader.work):
     """Of the solution by elimination: elimination.py."""
 
     rows = reals(2 * WIDTH * ELIMINATED, "those that are left over and those of a slot")

@@ -54,13 +54,13 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_rate, surge_jump
-from cablemodel.solvers.shared.layout import FilterRows, SolvedRows
+from cablemodel.solvers.shared.layout import FilterRows, SoftnessRows, SolvedRows
 
 ROW_LEFT, ROW_MOTION = FilterRows.left.word, FilterRows.accelerations.word
 SOLVED_Q, SOLVED_V = SolvedRows.places.word, SolvedRows.velocities.word
 SOLVED_A, SOLVED_T = SolvedRows.accelerations.word, SolvedRows.tensions.word
 SOLVED_RATE, CURVED = SolvedRows.rates.word, SolvedRows.curved.word
-STRAINED, SOFTNESS = SolvedRows.strained.word, SolvedRows.softness.word
+STRAINED, SOFTNESS = SolvedRows.strained.word, SoftnessRows.softness.word
 PROMISED = 0.5  # of the error of tension that is promised
 TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
