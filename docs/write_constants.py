@@ -11,6 +11,7 @@ import ast
 import csv
 import importlib
 import io
+import re
 import subprocess
 import tokenize
 from collections.abc import Iterator
@@ -21,14 +22,22 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 STORE = ROOT / "docs" / "engine" / "constants.csv"
 HEAD = ("name", "module", "value", "unit", "effect", "source", "date", "command")
-PLACES = ("solvers", "accuracy/converge.py")
+PLACES = ("solvers", "systems", "accuracy/converge.py")
 """Folders and modules of cablemodel whose numbers steer the engine."""
+C_PLACE = "fmu/cablemodel_fmu/c"
+"""Folder of the FMU's own code."""
+C_NUMBER = re.compile(
+    r"(?:#define|enum \{) (?P<name>[A-Z_]+)(?: =)? \(?(?P<value>-?[\d.]+(?:e[+-]?\d+)?)"
+    r"(?: / (?P<over>[\d.]+)\))?(?: \};)?(?: +/\* (?P<effect>.*) \*/)?"
+)
+"""One of its numbers: a macro, a quotient of two numbers, or an enumerator that stands alone."""
 NO_STEERING = {
-    "layout.py": "numbers of words",
     "compile.py": "options of the compiler",
     "library.py": "when to say that the solver is compiled",
 }
 """Modules that are left out whatever they hold."""
+WHOLE_ARE_WORDS = "layout.py"
+"""Of modules of that name: whole numbers are places in memory, sizes and cases; others steer."""
 WORDS = {
     "solvers/finite_element/kernels/water/airy.py": (
         "PER_TURN TURN TURN_REST ROUND HALVED MIDDLE S1 S2 S3 S4 S5 C1 C2 C3 C4 C5 C6 "
@@ -62,8 +71,10 @@ WORDS = {
     "solvers/finite_element/kernels/time/statics.py": "ROW_PLACES ROW_TENSIONS ROW_BORE",
     "solvers/finite_element/kernels/bodies/raos.py": "UP YAW",
     "solvers/finite_element/kernels/water/sea_cells.py": "OVER",
-    "solvers/finite_element/kernels/time/esdirk.py": "LANDED",
-    "solvers/finite_element/kernels/time/time_stepping.py": "MADE TOO_LONG TOUCHES STIRS BREAKS",
+    "solvers/finite_element/kernels/time/esdirk.py": "AT_FLOOR_FORCES",
+    "solvers/finite_element/kernels/time/time_stepping.py": (
+        "MADE TOO_LONG REACHES_FLOOR STIRS BREAKS"
+    ),
     "solvers/finite_element/kernels/element/tables.py": "PAIRS_D PAIRS_H PAIRS_HD _G3",
     "solvers/finite_element/kernels/time/tension.py": (
         "PASSES_OVER FOLLOWS SOLVED MISSES ROW_LEFT ROW_MOTION SOLVED_Q SOLVED_V SOLVED_A SOLVED_T "
@@ -82,6 +93,9 @@ WORDS = {
     "solvers/direct/kernels/history.py": "STRAIN",
     "solvers/direct/kernels/superposition.py": "SIDES",
     "solvers/estimating.py": "_TENSION _LENGTH",
+    "systems/linear.py": "_ROOTS",
+    "systems/motion.py": "_TRACK_WORDS",
+    "fmu/cablemodel_fmu/c/cable.h": "STATE_MAGIC PI WRENCH_WORDS",
 }
 """Places in memory, masks, cases, and coefficients of series: they steer nothing."""
 
@@ -91,7 +105,7 @@ class Constant:
     """A number, or a few, at the top of a module."""
 
     module: str
-    """Its path below cablemodel/."""
+    """Its path below cablemodel/; of the FMU's C from the root."""
     name: str
     value: str
     effect: str
@@ -107,7 +121,21 @@ def constants() -> list[Constant]:
         for path in sorted(at.rglob("*.py")) if at.is_dir() else [at]:
             if path.name not in NO_STEERING:
                 found += list(_of(path))
+    for path in sorted((ROOT / C_PLACE).glob("*.[ch]")):
+        found += list(_of_c(path))
     return found
+
+
+def _of_c(path: Path) -> Iterator[Constant]:
+    """Macros and lone enumerators that are numbers; what the comment behind them says."""
+    module = path.relative_to(ROOT).as_posix()
+    for k, line in enumerate(path.read_text(encoding="utf-8").splitlines()):
+        found = C_NUMBER.fullmatch(line)
+        if found is not None and found["name"] not in WORDS.get(module, "").split():
+            value = ast.literal_eval(found["value"])
+            if found["over"]:
+                value /= ast.literal_eval(found["over"])
+            yield Constant(module, found["name"], _words(value), found["effect"] or "", k + 1)
 
 
 def _of(path: Path) -> Iterator[Constant]:
@@ -126,7 +154,8 @@ def _of(path: Path) -> Iterator[Constant]:
             if not isinstance(item, ast.Name) or item.id != item.id.upper() or item.id in words:
                 continue
             value = getattr(loaded, item.id)
-            if not _is_number(value):
+            whole = path.name == WHOLE_ARE_WORDS and isinstance(value, int)
+            if not _is_number(value) or whole:
                 continue
             effect = _behind(node, comments) or _below(after) or _above(node, comments)
             yield Constant(module, item.id, _words(value), effect, node.lineno)
@@ -185,7 +214,8 @@ def kept() -> dict[tuple[str, str], dict[str, str]]:
 def dated(constant: Constant) -> str:
     """The day on which the line got the form that it has; empty outside of a repository."""
     where = f"{constant.line},{constant.line}"
-    command = ["git", "blame", "--porcelain", "-L", where, f"cablemodel/{constant.module}"]
+    folder = "" if constant.module.startswith(C_PLACE) else "cablemodel/"
+    command = ["git", "blame", "--porcelain", "-L", where, f"{folder}{constant.module}"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     seconds = [line.split()[1] for line in done.stdout.splitlines() if line[:12] == "author-time "]
     if not seconds:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Line, Winch
+from cablemodel.solvers.shared.numbers import ONE_PLACE
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 
@@ -133,7 +134,7 @@ class Shape:
     def _element(self, name: str, arc: float) -> tuple[int, int]:
         """Number of the element at an arc length among those of its line, and its node."""
         elements = self._lines[name]
-        place = int(np.searchsorted(elements.start, arc + 1e-9, side="right")) - 1
+        place = int(np.searchsorted(elements.start, arc + ONE_PLACE, side="right")) - 1
         place = max(place, 0)
         return place, int(elements.node[place])
 

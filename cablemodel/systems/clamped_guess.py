@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.systems.guess import Guess, axes_of, held_place, standing
 from cablemodel.systems.lines import bends_at
 from cablemodel.systems.motion import first_angles
@@ -30,7 +31,7 @@ def turned_along_clamps(scene: SystemScene, guess: Guess) -> Guess | None:
         for end, way in ((line.start, points[1] - points[0]), (line.end, points[-1] - points[-2])):
             owner, point = end.owner, end.of_owner
             if bends_at(scene, line, end) and owner in scene.bodies and owner not in stands:
-                along = way / max(float(np.linalg.norm(way)), 1e-30)
+                along = way / max(float(np.linalg.norm(way)), NO_SIZE)
                 fits.setdefault(owner, []).append((np.array(end.clamped), along))
                 places.setdefault(owner, []).append(np.array(scene.bodies[owner].points[point]))
     if not fits:

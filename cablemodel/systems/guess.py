@@ -20,6 +20,7 @@ from cablemodel.systems.scene import LineEnd, SystemScene
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
+from cablemodel.solvers.shared.numbers import NO_DIRECTION
 
 FloatArray = NDArray[np.float64]
 Numbers = NDArray[np.intp]
@@ -30,17 +31,30 @@ STRETCH = 0.3, 0.1, 0.03, 0.01, 0.004, 0.002
 """By which all forces together stretch one of them, one after the other: stiff strings let a step
 turn them by little."""
 ITERATIONS = 1000
+"""For the lowest place of an energy, at most."""
 BALANCED = 0.01
 """Of the least of all forces: what may be left of them at any place."""
 SHARE_OF_DRAG = 0.3
 """Of a line's drag across, that it has on the average as it hangs."""
-ASIDE = 0.5
+ASIDE_LOAD = 0.5
 """Load that draws lines aside, in units of their weight in water."""
 AFLOAT = 0.02
 """Of a line's weight in air: what that is at least."""
-STANDS = 0.05
+STANDS_WITHIN = 0.05
 """Of the way from a body's origin to its farthest foot: gap below the lowest one, or depth of it in
 the floor, with which the body is meant to stand there."""
+LESS_DAMPED, MORE_DAMPED = 0.3, 4.0
+"""Of the damping: the next one, after a step that lowers the energy, and after another one."""
+MOST_DAMPED = 1e9
+"""In force over length: damping at which no step is left."""
+UPRIGHT_LINE = 0.1
+"""Of a line's length: span across which it counts as upright."""
+NO_WEIGHT = 1e-6
+"""Of the weight in air: what is taken of cable that has none in water."""
+NO_LOAD = 1e-9
+"""Added to all loads together [N]: there may be none."""
+SHAKEN = 1e-3
+"""Of the shortest string: by what places are moved at random before the first step."""
 
 
 def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
@@ -78,12 +92,12 @@ def _lowest(
         if trial[0] < value:
             x = x + step
             value, slope, matrix = trial
-            damping *= 0.3
+            damping *= LESS_DAMPED
             if float(np.abs(slope).max()) < BALANCED * least:
                 break
         else:
-            damping *= 4.0
-            if damping > 1e9 * force / length:
+            damping *= MORE_DAMPED
+            if damping > MOST_DAMPED * force / length:
                 break
     return x
 
@@ -137,7 +151,7 @@ def standing(scene: SystemScene) -> dict[str, FloatArray]:
             continue
         places = np.array(body.position) + feet @ axes_of(body.attitude).T
         gap = min(z - floor.height(float(x), float(y)) for x, y, z in places)
-        if abs(gap) <= STANDS * float(np.linalg.norm(feet, axis=1).max()):
+        if abs(gap) <= STANDS_WITHIN * float(np.linalg.norm(feet, axis=1).max()):
             found[name] = np.array(body.position) - [0.0, 0.0, gap]
     return found
 
@@ -162,7 +176,7 @@ def ways_aside(guess: Guess) -> dict[str, FloatArray]:
         chord = points[-1] - points[0]
         across = np.array([-chord[1], chord[0], 0.0])
         size = float(np.linalg.norm(across))
-        upright = size <= 0.1 * float(np.abs(guess.arcs[name][-1]))
+        upright = size <= UPRIGHT_LINE * float(np.abs(guess.arcs[name][-1]))
         found[name] = np.array([1.0, 0.0, 0.0]) if upright else across / size
     return found
 
@@ -226,11 +240,11 @@ def _loads(
                 continue
             assert item.cable is not None
             kind = scene.cable_types[item.cable.type]
-            weight = kind.submerged_weight or 1e-6 * kind.mass * gravity
+            weight = kind.submerged_weight or NO_WEIGHT * kind.mass * gravity
             load = np.array([0.0, 0.0, -weight])
             load += SHARE_OF_DRAG * 0.5 * rho * kind.drag_normal * kind.diameter * speed * flow
             if aside is not None:
-                load += ASIDE * max(abs(weight), AFLOAT * kind.mass * gravity) * aside[name]
+                load += ASIDE_LOAD * max(abs(weight), AFLOAT * kind.mass * gravity) * aside[name]
             low, high = along, along + item.cable.length
             for k in range(len(edges) - 1):
                 part = max(0.0, min(high, edges[k + 1]) - max(low, edges[k]))
@@ -306,7 +320,7 @@ class _Energy:
     def __init__(self, scene: SystemScene, masses: _Masses, ties: _Ties, loads: FloatArray) -> None:
         self.left, self.right, self.rest = masses.strings
         self.ties, self.loads = ties, loads
-        self.total = float(np.abs(loads).sum()) + 1e-9
+        self.total = float(np.abs(loads).sum()) + NO_LOAD
         self.floor = scene.environment.floor
         self.hard = self.total / (STRETCH[-1] * float(self.rest.min()))
         rho, gravity = scene.environment.water_density, scene.environment.gravity
@@ -328,7 +342,7 @@ class _Energy:
         p = self.ties.places(x)
         stiff = self.total / (stretch * self.rest)
         d = p[right] - p[left]
-        size = np.maximum(np.linalg.norm(d, axis=1), 1e-12)
+        size = np.maximum(np.linalg.norm(d, axis=1), NO_DIRECTION)
         over = np.maximum(0.0, size - self.rest)
         value = float((0.5 * stiff * over**2).sum() - (self.loads * p).sum())
         unit = d / size[:, None]
@@ -445,7 +459,7 @@ def first_guess(
     for index, near in adrift.given.items():
         start[ties.unknown[index]] = near
     rng = np.random.default_rng(0)  # no string may have length 0
-    start += 1e-3 * float(energy.rest.min()) * rng.standard_normal(start.shape)
+    start += SHAKEN * float(energy.rest.min()) * rng.standard_normal(start.shape)
     sizes = np.linalg.norm(loads, axis=1)
     least = float(sizes[sizes > 0.0].min(initial=energy.total))
     together = [np.unique(ties.unknown[members]) for members in adrift.groups]

@@ -15,6 +15,7 @@ from cablemodel.solvers.finite_element.start.first_state import count_from_zero,
 from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.numbers import SAME_PLACE
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of
 from cablemodel.systems.lays import Lay
@@ -72,7 +73,7 @@ def _nodes_in(rest: Built, name: str) -> list[FloatArray]:
     arcs = np.append(elements.start, elements.start[-1] + elements.length[-1])
     found, offset = [], 0.0
     for cable in (item.cable for item in rest.scene.lines[name].items if item.cable is not None):
-        here = 1e-9 * cable.length
+        here = SAME_PLACE * cable.length
         within = (arcs > offset - here) & (arcs < offset + cable.length + here)
         own = np.unique(np.clip(arcs[within] - offset, 0.0, cable.length))
         own = own[np.append(True, np.diff(own) > here)]

@@ -43,6 +43,7 @@ from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.curves import bends, crossing, way_along
 from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.numbers import END_BEND, RELATIVE_ROUNDING
 from cablemodel.systems.guess import held_place
 from cablemodel.systems.scene import SystemScene, SystemWinch
 
@@ -166,7 +167,7 @@ def _halved(block: Block, scene: Scene, foot: int, places: FloatArray, slopes: F
     first, last = bends(places, slopes, h)
     jumps = np.linalg.norm(first[1:] - last[:-1], axis=1)
     jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
-    jump[-1] = max(jump[-1], 0.25 * float(np.linalg.norm(first[-1] - last[-1])))
+    jump[-1] = max(jump[-1], END_BEND * float(np.linalg.norm(first[-1] - last[-1])))
     allowed = refinement.REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     changed = False
     for node in foot + 1 + np.flatnonzero(h**2 * jump > allowed)[::-1]:
@@ -251,7 +252,7 @@ def _bow(
     if straight < 0.0:
         size = crossing(
             missing, 0.0, most, at_low=straight, at_high=missing(most), near=0.0,
-            width=1e-12 * abs(most),
+            width=RELATIVE_ROUNDING * abs(most),
         )  # fmt: skip
     points = curve(size)
     steps = way_along(points)

@@ -12,6 +12,7 @@ from cablemodel.scene.line import Cable
 from cablemodel.scene.motion import AT_REST
 from cablemodel.solvers.finite_element.mesh import Span, Start, line_nodes
 from cablemodel.solvers.finite_element.start.scales import is_flexible
+from cablemodel.solvers.shared.numbers import ONE_PLACE
 from cablemodel.systems.guess import standing
 from cablemodel.systems.scene import LineEnd, SystemLine, SystemScene
 
@@ -30,10 +31,6 @@ def bends_at(scene: SystemScene, line: SystemLine, end: LineEnd) -> bool:
     cables = [index for index, item in enumerate(line.items) if item.cable is not None]
     last = cables[0 if end is line.start else -1]
     return end.clamped is not None and not flexible_at(scene, line, last)
-
-
-ROUNDED = 1e-9
-"""Length by which two places along a line differ that are one [m]."""
 
 
 def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
@@ -60,7 +57,7 @@ def nodes_of(scene: SystemScene, name: str) -> list[FloatArray]:
             if end.line == name and end.at is not None
         ]
         # Lengths add up to a place to rounding: no element is as short as that.
-        within = [p for p in ends if 0.0 < p < own[-1] and np.abs(own - p).min() > ROUNDED]
+        within = [p for p in ends if 0.0 < p < own[-1] and np.abs(own - p).min() > ONE_PLACE]
         nodes[k] = np.unique(np.concatenate([own, within]))
         offset += float(own[-1])
     return nodes
@@ -80,6 +77,8 @@ def start_of(scene: SystemScene, name: str) -> Start:
     return Start(slack=False, damping=drag * line.length / mass, free_end=free)
 
 
+LEAST_TENSION = 1e-6
+"""A typical tension where nothing weighs [N]."""
 FOR_EVER = 1e30
 """How many times as long a motion goes on that nothing slows down."""
 
@@ -120,7 +119,7 @@ def tension_scale(scene: SystemScene) -> float:
     rho = scene.environment.water_density
     for body in scene.bodies.values():
         total += 0.5 * rho * speed**2 * float(np.mean(body.drag_area))
-    return max(total, 1e-6)
+    return max(total, LEAST_TENSION)
 
 
 def is_adrift(scene: SystemScene) -> bool:

@@ -36,11 +36,9 @@ from cablemodel.systems.stability import warn_if_unstable
 
 if TYPE_CHECKING:
     from cablemodel.linear.model import LinearModel
+from cablemodel.solvers.shared.numbers import RELATIVE_ROUNDING, SAME_PLACE
 
 FloatArray = NDArray[np.float64]
-
-SAME_PLACE = 1e-9
-"""Part of a line's length by which a node is at a cut."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +134,8 @@ class LineView:
             s = np.clip(np.append(elements.start, length), 0.0, length)
         else:
             s = np.atleast_1d(np.asarray(stations, dtype=np.float64))
-        if not np.all((s >= 0.0) & (s <= length * (1.0 + 1e-12))):
-            wrong = s[~((s >= 0.0) & (s <= length * (1.0 + 1e-12)))][0]
+        if not np.all((s >= 0.0) & (s <= length * (1.0 + RELATIVE_ROUNDING))):
+            wrong = s[~((s >= 0.0) & (s <= length * (1.0 + RELATIVE_ROUNDING)))][0]
             raise ValueError(f"s = {wrong:g} m is not on {self.name}; allowed: 0 to {length:g} m")
         which = np.clip(np.searchsorted(elements.start, s, side="right") - 1, 0, None)
         if stations is None:

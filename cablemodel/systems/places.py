@@ -12,6 +12,7 @@ from cablemodel.solvers.finite_element.start.refinement import (
 )
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.systems.built import Built, Shape
 from cablemodel.systems.guess import Guess, axes_of
 from cablemodel.systems.motion import first_angles
@@ -19,6 +20,8 @@ from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 
 FloatArray = NDArray[np.float64]
+CHORD_OF_SLOPE = 1e-3
+"""Of a line's length, to either side of a node: the chord that gives its first slope."""
 
 
 def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | None) -> None:
@@ -36,11 +39,15 @@ def place_nodes(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             q[node, :3] = guess.bodies[name] + arm
             continue
         length = scene.lines[name].length
-        near = np.clip(np.array([arc - 1e-3 * length, arc, arc + 1e-3 * length]), 0.0, length)
+        near = np.clip(
+            np.array([arc - CHORD_OF_SLOPE * length, arc, arc + CHORD_OF_SLOPE * length]),
+            0.0,
+            length,
+        )
         places = guess.at(name, near)
         slope = places[2] - places[0]
         q[node, :3] = places[1]
-        q[node, 3:] = slope / max(float(np.linalg.norm(slope)), 1e-30)
+        q[node, 3:] = slope / max(float(np.linalg.norm(slope)), NO_SIZE)
     for node, element in tree.elements.items():
         if tree.segments[element.segment].backward:
             q[node, 3:] *= -1.0

@@ -39,6 +39,12 @@ ON_FLOOR = 1e-3
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Attitude = Annotated[tuple[float, float, float], Vector("rad")]
+ALONG_CHORD = 1e-6
+"""Sine between chord and span of a foil that is none."""
+STALL_BEGINS, STALL_LASTS = 0.75, 0.5
+"""Of the stall angle: where the flow begins to part, and within what it has."""
+INERTIA_ROUNDED = 1e-9
+"""Of a moment of inertia: by what rounding may make it larger than the sum of the others."""
 
 
 class RaoPoint(SceneModel):
@@ -170,7 +176,7 @@ class Foil(SceneModel):
 
     @model_validator(mode="after")
     def _span_across(self) -> Foil:
-        if np.linalg.norm(np.cross(self.chord, self.span)) < 1e-6:
+        if np.linalg.norm(np.cross(self.chord, self.span)) < ALONG_CHORD:
             allowed = "a span across the chord"
             raise rejection("along the chord: it lifts nowhere", allowed, self.span, ("span",))
         return self
@@ -200,7 +206,7 @@ class Foil(SceneModel):
         drag = self.drag + lift**2 / (math.pi * self.aspect_ratio)
         normal = 2.0 * np.sin(folded)
         plate = np.column_stack([normal * np.cos(folded), self.drag + normal * np.sin(folded)])
-        x = np.clip((np.abs(folded) / self.stall - 0.75) / 0.5, 0.0, 1.0)
+        x = np.clip((np.abs(folded) / self.stall - STALL_BEGINS) / STALL_LASTS, 0.0, 1.0)
         stalled = (x * x * (3.0 - 2.0 * x))[:, None]
         wing = np.column_stack([lift, drag])
         found = wing + stalled * (plate - wing)
@@ -326,7 +332,7 @@ class FreeBody(SceneModel):
     @model_validator(mode="after")
     def _inertia_of_a_body(self) -> FreeBody:
         a = sorted(self.inertia)
-        if a[0] <= 0.0 or a[2] > a[0] + a[1] + 1e-9 * a[2]:
+        if a[0] <= 0.0 or a[2] > a[0] + a[1] + INERTIA_ROUNDED * a[2]:
             allowed = "above 0, none larger than the sum of the others"
             raise rejection("not of a rigid body", allowed, self.inertia, ("inertia",))
         return self

@@ -15,7 +15,7 @@ from cablemodel.solvers.finite_element.start import waves
 from cablemodel.solvers.finite_element.start.line_tables import edge_row, fill_body, note_choices
 from cablemodel.solvers.finite_element.start.refinement import FALLING_SPARE, REFINEMENT_SPARE
 from cablemodel.solvers.finite_element.start.scales import is_flexible
-from cablemodel.solvers.finite_element.start.sea_floor import table_words
+from cablemodel.solvers.finite_element.start.sea_floor import PRELOAD, table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
 from cablemodel.solvers.finite_element.start.winch import (
     JOINT_SPARE_NODES,
@@ -24,6 +24,7 @@ from cablemodel.solvers.finite_element.start.winch import (
 )
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
 from cablemodel.systems.built import Built
 from cablemodel.systems.guess import Guess, axes_of, standing
 from cablemodel.systems.lines import (
@@ -37,6 +38,8 @@ from cablemodel.systems.scene import FreeBody, Hull, RaoPoint, SystemScene
 from cablemodel.systems.tree import Tree
 
 FloatArray = NDArray[np.float64]
+SMALLEST_RADIUS = 1e-3
+"""Of a free body without a hull, where its buoyancy gives none [m]."""
 
 
 def allocated(scene: SystemScene, tree: Tree) -> Built:
@@ -429,14 +432,14 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
 
         size = _size(body)
         row[at.FreeBody.node], row[at.FreeBody.size] = node, size
-        edges[node, at.Edge.length] = size / 0.3  # increment_norm weighs turns by .3 of it
+        edges[node, at.Edge.length] = size / SLOPE_WEIGHT  # increment_norm weighs turns by .3 of it
         row[at.FreeBody.weight] = body.mass * gravity
         row[at.FreeBody.buoyancy] = body.mass * gravity - body.weight_in(scene.environment)
         if body.hull is not None:
             _fill_hull(row, body.hull, reference)
         elif gravity > 0.0 and rho > 0.0:
             volume = max(0.0, row[at.FreeBody.buoyancy]) / (rho * gravity)
-            row[at.FreeBody.radius] = max(1e-3, (0.75 * volume / math.pi) ** (1.0 / 3.0))
+            row[at.FreeBody.radius] = max(SMALLEST_RADIUS, (0.75 * volume / math.pi) ** (1.0 / 3.0))
         centre, water = (
             from_reference(body.centre_of_gravity),
             from_reference(body.centre_of_buoyancy),
@@ -513,7 +516,7 @@ def fill_feet(scene: SystemScene, built: Built) -> None:
         body = scene.bodies[name]
         own = built.tree.bodies[name][1]
         reference = np.array(body.place(own))
-        least = 1e-3 * body.mass * scene.environment.gravity  # of what floats, as of cable
+        least = PRELOAD * body.mass * scene.environment.gravity  # of what floats, as of cable
         count = sum(other == name for other, _place in feet)
         row[at.Foot.body] = names.index(name)
         row[at.Foot.place.span] = place - reference

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from cablemodel.scene.line import Body, Cable
 from cablemodel.solvers.finite_element.start.line import hinged
 from cablemodel.solvers.shared import layout as at
-from cablemodel.systems.lines import ROUNDED, bends_at, cable_of
+from cablemodel.solvers.shared.numbers import ONE_PLACE
+from cablemodel.systems.lines import bends_at, cable_of
 from cablemodel.systems.scene import LineEnd, SystemScene, SystemWinch
 
 FloatArray = NDArray[np.float64]
@@ -325,7 +326,7 @@ class _Builder:
             (other, side)
             for other, line in self.scene.lines.items()
             for side, end in enumerate(line.ends)
-            if end.line == name and end.at is not None and abs(end.at - arc) <= ROUNDED
+            if end.line == name and end.at is not None and abs(end.at - arc) <= ONE_PLACE
         ]
 
     def _pieces(
@@ -343,7 +344,7 @@ class _Builder:
                 found.append((index, float(left), float(right)))
             offset += float(places[-1])
         low, high = sorted((start, stop))
-        low, high = low - ROUNDED, high + ROUNDED
+        low, high = low - ONE_PLACE, high + ONE_PLACE
         within = [piece for piece in found if piece[1] >= low and piece[2] <= high]
         if backward:
             within = [(index, right, left) for index, left, right in reversed(within)]

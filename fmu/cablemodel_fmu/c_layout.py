@@ -17,7 +17,7 @@ from cablemodel.solvers.direct import block as direct_block
 from cablemodel.solvers.direct import failures as direct_failures
 from cablemodel.solvers.direct.kernels import layout as direct_layout
 from cablemodel.solvers.finite_element import block, failures
-from cablemodel.solvers.shared import layout
+from cablemodel.solvers.shared import layout, numbers
 from cablemodel.solvers.shared.record import Record, c_struct, records
 from cablemodel_fmu import file_records, shared_numbers
 
@@ -88,6 +88,7 @@ def start_constants() -> dict[str, float]:
         refinement,
         scales,
     )
+    from cablemodel.systems import tables
     from cablemodel_fmu.signals import LARGEST
 
     return {
@@ -100,6 +101,8 @@ def start_constants() -> dict[str, float]:
         "FEW_STEPS": continuation.FEW_STEPS,
         "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
         "DRAWINGS": firm_friction.DRAWINGS,
+        "PROMISE": numbers.PROMISE,
+        "SMALLEST_RADIUS": tables.SMALLEST_RADIUS,
         "AHEAD": interface.RATE_AHEAD,
         "FURTHEST": LARGEST["m"],
         "FASTEST": LARGEST["m/s"],

@@ -12,7 +12,7 @@ from newton_matrix import clear, dense, differences
 from numpy.typing import NDArray
 
 import cablemodel as cm
-from cablemodel.solvers.finite_element.kernels.floor.contact import LYING, contact_law
+from cablemodel.solvers.finite_element.kernels.floor.contact import contact_law
 from cablemodel.solvers.finite_element.kernels.floor.floor_forces import (
     floor_jacobian,
     floor_residual,
@@ -21,6 +21,7 @@ from cablemodel.solvers.finite_element.start.laid_start import law_of_contact
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.compile import OPTIONS
 from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.numbers import LYING
 
 
 @numba.jit(**OPTIONS)

@@ -21,16 +21,21 @@ from cablemodel.solvers.shared.scene_numbers import strain_range
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import Body
+from cablemodel.solvers.shared.numbers import SHORTEST_LINE
 
 FloatArray = NDArray[np.float64]
 
-SHORTEST_LINE = 0.01
-"""Of the initial length: what reel-in leaves out."""
 DIRECT_SPARE_NODES = 24
-DRIFT = 1e-3
+DRIFT_ALLOWED = 1e-3
 """Of the line's length: how far a held end may drift before the run is stopped."""
-SLACK = 1e-4
+SLACK_ALLOWED = 1e-4
 """Of a typical tension: what a flexible section may be below zero."""
+STILL_SPEED = 0.1
+"""Of a line whose vessel does not move: a typical one [m/s]."""
+DRAG_OF_SCALE = 0.05
+"""Of a cable's drag across, in the typical tension."""
+NO_JUMP = 1e-12
+"""Jump of the vessel's acceleration that is rounding [m/s2]."""
 
 
 def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
@@ -88,7 +93,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
     reals[own.OwnScalars.alpha] = scene.solver.alpha
     reals[own.OwnScalars.tolerance] = scene.solver.relative_tolerance
     reals[own.OwnScalars.share] = 1.0
-    reals[own.OwnScalars.drift] = DRIFT * scene.line_length
+    reals[own.OwnScalars.drift] = DRIFT_ALLOWED * scene.line_length
     _fill_motion(block, motion.pieces)
     if current is not None:
         head.current_kind = 1 if len(current.z) == 1 else 2
@@ -103,10 +108,12 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
         _fill_floor(block, scene)
     scale = _tension_scale(scene)
     reals[own.OwnScalars.scale : own.OwnScalars.scale.place + own.WIDTH] = 1.0
-    speed = float(np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1), initial=0.1))
+    speed = float(
+        np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1), initial=STILL_SPEED)
+    )
     reals[own.OwnScalars.scale : own.OwnScalars.scale.place + 3] = speed
     reals[own.OwnScalars.scale.place + own.F1 : own.OwnScalars.scale.place + own.F3 + 1] = scale
-    reals[own.OwnScalars.lowest] = SLACK * scale
+    reals[own.OwnScalars.lowest] = SLACK_ALLOWED * scale
     status = find_initial_state(block, scene, sections)
     if status != at.OK:
         from cablemodel.solvers.direct.failures import explain
@@ -124,7 +131,7 @@ def _tension_scale(scene: Scene) -> float:
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]
         weight = kind.typical_weight(gravity)
-        drag = 0.05 * rho * kind.drag_normal * kind.diameter * speed**2
+        drag = DRAG_OF_SCALE * rho * kind.drag_normal * kind.diameter * speed**2
         scale += cable.length * (weight + drag)
     return scale
 
@@ -137,7 +144,7 @@ def _fill_motion(block: DirectBlock, pieces: FloatArray) -> None:
     table[1:] = pieces
     table[1, at.Piece.acceleration_jump] = 0.0
     jump = sum(jumps(pieces)[:2])
-    table[2:, at.Piece.acceleration_jump] = np.where(jump > 1e-12, jump, 0.0)
+    table[2:, at.Piece.acceleration_jump] = np.where(jump > NO_JUMP, jump, 0.0)
 
 
 def _fill_materials(block: DirectBlock, scene: Scene) -> None:

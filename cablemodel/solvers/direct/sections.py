@@ -14,6 +14,7 @@ from cablemodel.solvers.direct.kernels import layout as own
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.line import Cable
+from cablemodel.solvers.shared.numbers import WHOLE
 
 FloatArray = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ def drum_kind(scene: Scene, cable: Cable) -> int:
 
 def even(length: float, spacing: float) -> FloatArray:
     """Equal intervals no longer than the spacing."""
-    count = max(1, math.ceil(length / spacing - 1e-9))
+    count = max(1, math.ceil(length / spacing - WHOLE))
     return np.full(count, length / count)
 
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from cablemodel.scene import Scene
 
 FloatArray = NDArray[np.float64]
+STRAIN_ROUNDS = 50
+"""Of Newton's method, for the tension of a strain."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +215,7 @@ def _tension_of(scene: Scene, sections: list[Section], strain: float) -> FloatAr
         if section.cable is not None:
             coefficients = scene.cable_types[section.cable.type].strain_coefficients
             tension = strain / coefficients[0]
-            for _ in range(50):
+            for _ in range(STRAIN_ROUNDS):
                 value = sum(c * tension ** (n + 1) for n, c in enumerate(coefficients))
                 slope = sum((n + 1) * c * tension**n for n, c in enumerate(coefficients))
                 tension -= (value - strain) / slope

@@ -20,6 +20,7 @@ from cablemodel.solvers.shared.layout import LIGHT_DAMPING
 
 if TYPE_CHECKING:
     from cablemodel.scene.line import Cable
+from cablemodel.solvers.shared.numbers import COMMON_TOLERANCE, WHOLE
 
 FloatArray = NDArray[np.float64]
 
@@ -42,6 +43,10 @@ _NEARLY = 1.05
 1.2 % at most at tau = 1e-3; by 3.5 % with elements of 1.4 of that size."""
 MESH_FEWEST = 2
 """Elements of a cable between two bodies."""
+_SIZE_PLACES = 2001
+"""Places along the line at which sizes of elements are added up."""
+_SHORTEST_LAYER = 1e-4
+"""Of a cable: what its mesh resolves at a clamp at least."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +90,12 @@ def element_count(tolerance: float, start: Start) -> int:
     """Elements of a whole line for an accuracy tau."""
     pulled = _SWINGING if start.lightly_damped else _STEADY
     at_thousandth = _SLACK if start.slack else pulled
-    count = at_thousandth * math.pow(1e-3 / tolerance, 0.25)
+    count = at_thousandth * math.pow(COMMON_TOLERANCE / tolerance, 0.25)
     if start.slack and start.lightly_damped and start.damping > 0.0:
-        count = min(count, _WHIP_IN_AIR[0] * math.pow(1e-3 / tolerance, _WHIP_IN_AIR[1]))
-    return max(_FEWEST[start.plain], math.ceil(count - 1e-9))
+        count = min(
+            count, _WHIP_IN_AIR[0] * math.pow(COMMON_TOLERANCE / tolerance, _WHIP_IN_AIR[1])
+        )
+    return max(_FEWEST[start.plain], math.ceil(count - WHOLE))
 
 
 @cache
@@ -108,7 +115,7 @@ def _share_of_elements(
             return math.pow(4.0, -x)
         return math.pow(4.0, -abs(2.0 * x - 1.0))
 
-    x = np.linspace(0.0, 1.0, 2001)
+    x = np.linspace(0.0, 1.0, _SIZE_PLACES)
     density = np.array([1.0 / size(float(value)) for value in x])
     share = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
     for array in (x, share):
@@ -140,12 +147,12 @@ def line_nodes(spans: list[Span], tolerance: float, start: Start) -> list[FloatA
 
 def with_layers(nodes: FloatArray, span: Span, tolerance: float) -> FloatArray:
     """Split the elements next to bending layers, so that sizes grow from the layer outwards."""
-    smallest = 2.0 * min(1.0, math.pow(tolerance / 1e-3, 0.25))
+    smallest = 2.0 * min(1.0, math.pow(tolerance / COMMON_TOLERANCE, 0.25))
     places = list(nodes)
     for layer, at_end in ((span.layer_start, False), (span.layer_end, True)):
         if not math.isfinite(layer) or layer <= 0.0:
             continue
-        target = max(layer * smallest, 1e-4 * span.length)
+        target = max(layer * smallest, _SHORTEST_LAYER * span.length)
         size = abs(places[-1] - places[-2]) if at_end else places[1] - places[0]
         new = []
         while size > target * _NEARLY:

@@ -38,7 +38,7 @@ STRIDE = 1.03
 """From one rate to the next, where one is looked for by the sign of what resists it least."""
 STABILITY_ITERATIONS = 6
 """For the shape of a growing motion, whose rate is known."""
-ASIDE = 1e-6
+FORCE_ASIDE = 1e-6
 """Of the forces along an axis, those along the next one, by which a motion is sought."""
 MUCH = 0.3
 """Of a motion's largest, what its side is read from: where it is largest depends on the mesh."""
@@ -247,7 +247,9 @@ def _motion(matrix: _Elimination, axes: FloatArray) -> tuple[FloatArray, float]:
     """
     nodes, dimension = len(matrix.pivots), len(axes)
     x = np.zeros((nodes, 2 * dimension))
-    x[:, :dimension] = np.outer(np.arange(1.0, nodes + 1.0), ASIDE ** np.arange(dimension) @ axes)
+    x[:, :dimension] = np.outer(
+        np.arange(1.0, nodes + 1.0), FORCE_ASIDE ** np.arange(dimension) @ axes
+    )
     cosine = 0.0
     for _iteration in range(STABILITY_ITERATIONS):
         forces = x / np.linalg.norm(x)

@@ -7,9 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cablemodel.solvers.shared.numbers import OUT_OF_PLANE
 
-_OUT_OF_PLANE = 1e-12
+FloatArray = NDArray[np.float64]
+CURVE_ENDS = 0.1
+"""Of its slope at rest: where a curve of strain ends."""
+REAL_ROOT = 1e-9
+"""Of a root: its imaginary part by rounding."""
 
 
 def strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
@@ -21,9 +25,9 @@ def strain_range(coefficients: tuple[float, ...]) -> tuple[float, float]:
     if len(coefficients) == 1:
         return -math.inf, math.inf
     slope = np.array([(n + 1) * c for n, c in enumerate(coefficients)])
-    slope[0] *= 0.9
+    slope[0] *= 1.0 - CURVE_ENDS
     roots = np.asarray(np.polynomial.polynomial.polyroots(slope), dtype=np.complex128)
-    real = [float(root.real) for root in roots if abs(root.imag) < 1e-9 * abs(root)]
+    real = [float(root.real) for root in roots if abs(root.imag) < REAL_ROOT * abs(root)]
     real = [tension for tension in real if tension > 0.0]
     return 0.0, min(real, default=math.inf)
 
@@ -38,4 +42,4 @@ def shared_direction(vectors: list[FloatArray]) -> tuple[FloatArray, bool]:
     units = some / np.hypot(some[:, :1], some[:, 1:])
     first = units[0]
     across = np.abs(first[0] * units[:, 1] - first[1] * units[:, 0])
-    return first, bool(across.max() <= _OUT_OF_PLANE)
+    return first, bool(across.max() <= OUT_OF_PLANE)

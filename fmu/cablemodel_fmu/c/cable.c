@@ -477,7 +477,7 @@ static void tune_free_body(Cable *cable, const Parameter *p, double value) {
     if (!(weight > 0.0)) return;
     /* A ball that displaces as much: fill_bodies of cablemodel/systems/tables.py. */
     const double volume = fmax(0.0, AS(FreeBody, row)->buoyancy) / weight;
-    AS(FreeBody, row)->radius = fmax(1e-3, pow(0.75 * volume / PI, 1.0 / 3.0));
+    AS(FreeBody, row)->radius = fmax(SMALLEST_RADIUS, pow(0.75 * volume / PI, 1.0 / 3.0));
 }
 
 /* Write a coefficient into the block. */

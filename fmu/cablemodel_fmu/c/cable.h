@@ -21,8 +21,8 @@ enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
 /* What a first step by position may change of a vessel's speed and of its rates of turn, on the
    average, without a warning: more than that is a start elsewhere. As limits.speed and
    limits.turn_rate of the ROS 2 node. */
-#define JUMP_SPEED 10.0 /* [m/s] */
-#define JUMP_RATE 1.0   /* [rad/s] */
+#define JUMP_SPEED 10.0 /* change of its speed [m/s] */
+#define JUMP_RATE 1.0   /* and of its rates of turn [rad/s] */
 
 /* One input of a part of a system: its value, that of the last step, derivatives for the next one,
    whether the master has set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in

@@ -7,7 +7,7 @@
 
 #include "cable.h"
 
-#define ASIDE 1e-4 /* by which vessels are moved for differences [m], [rad] */
+#define VESSEL_ASIDE 1e-4 /* by which vessels are moved for differences [m], [rad] */
 enum { FORCE = VR_SUMMARY, TENSION = VR_SUMMARY + (int)(offsetof(Summary, top_tension) / 8) };
 
 /* A copy of the block's image, with room for what kernels work in; NULL: out of memory. */
@@ -168,7 +168,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
         change_at_end(&cable->now, input.by, input.is_position, input.went_on, change[n], end);
         size += fabs(end[0]) + length * fabs(end[1]);
     }
-    const double share = size > 0.0 ? ASIDE / size : 0.0;
+    const double share = size > 0.0 ? VESSEL_ASIDE / size : 0.0;
     read_wrenches(cable, cable->I, sides[0]); /* as above */
     for (int side = 0; side < 2; side++) {
         int64_t *copy = copy_of(cable);

@@ -4,6 +4,8 @@
 
 #include "cable.h"
 
+#define LEAST_SETTING 1e-9 /* time step [s] and node spacing [m] of a model file, at least */
+
 static int within(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
 }
@@ -76,8 +78,8 @@ const char *check_direct_block(const int64_t *I, int64_t image_words, int64_t bl
         !within(header(I)->payout, 0, 1) ||
         !check_winches(I, 1, 2) || header(I)->dimension != 3)
         return "a counter in the model is out of range";
-    if (!(fabs(scalars(M)->time) < 1e300) || !(own_scalars(M)->time_step > 1e-9) ||
-        !(own_scalars(M)->spacing > 1e-9) || !(own_scalars(M)->tolerance > 0.0) ||
+    if (!(fabs(scalars(M)->time) < 1e300) || !(own_scalars(M)->time_step > LEAST_SETTING) ||
+        !(own_scalars(M)->spacing > LEAST_SETTING) || !(own_scalars(M)->tolerance > 0.0) ||
         !(own_scalars(M)->alpha >= 0.5 && own_scalars(M)->alpha <= 1.0))
         return "a setting in the model is out of range";
     for (int64_t n = 0; n < own_header(I)->material_count; n++) {

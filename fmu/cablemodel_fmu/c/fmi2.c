@@ -23,7 +23,9 @@ static const struct {
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
 enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID, SHORTEST_SAID = 2 * DRUM_SAID };
-enum { ZERO_STEPS = 10 };
+enum { ZERO_STEPS = 10 }; /* in which an input that is set stays 0, before a warning */
+#define TIME_ROUNDED 1e-9 /* of times: a step that begins or ends beside where it may, by rounding */
+#define STEP_ROUNDED 1e-6 /* of a step: the same */
 enum { QUIET = LOG_ERROR | LOG_WARNING | LOG_DISCARD };
 
 typedef struct {
@@ -485,14 +487,14 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real point, fmi2Real size, fmi2Boolea
     if (!(size > 0.0))
         return report(in, fmi2Error, "fmi2DoStep: at t = %g s: a step must go forward, not by %g s",
                       time, size);
-    if (fabs(point - time) > 1e-9 * (fabs(time) + fabs(point)) + 1e-6 * size)
+    if (fabs(point - time) > TIME_ROUNDED * (fabs(time) + fabs(point)) + STEP_ROUNDED * size)
         return report(in, fmi2Error, "fmi2DoStep: the step starts at %.17g s, the cable is at %.17g s",
                       point, time);
     const double end = point + size - cable->now.start_time;
     if (!(end > scalars(cable->M)->time))
         return report(in, fmi2Error, "fmi2DoStep: at t = %g s: a step of %g s is lost in rounding",
                       time, size);
-    if (in->has_stop_time && point + size > in->stop_time + 1e-9 * fabs(in->stop_time) + 1e-6 * size)
+    if (in->has_stop_time && point + size > in->stop_time + TIME_ROUNDED * fabs(in->stop_time) + STEP_ROUNDED * size)
         return report(in, fmi2Error, "fmi2DoStep: a step to %g s goes beyond the stop time %g s",
                       point + size, in->stop_time);
     warn_at_first(in, size);

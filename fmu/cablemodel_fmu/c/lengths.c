@@ -214,7 +214,7 @@ static Exported exported(Cable *cable) {
 /* What is to be told of a static start that was found anew: its shape, and that it presses the line. */
 static void judge(Cable *cable, const Exported *before) {
     const Summary *found = summary(cable);
-    const double wrong = 10.0 * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
+    const double wrong = PROMISE * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
     judge_shape(cable, &before->shape);
     cable->pressed = found->tension_min < -wrong ? found->tension_min : 0.0;
     outputs_changed(cable);

@@ -13,6 +13,7 @@
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
+#define SAME_BRISTLE 1e-9          /* of a bristle: one that differs by less is the same */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {
     return cable->M + cable->I[array] + 6 * node;
@@ -306,7 +307,7 @@ static int64_t let_friction_hold(Cable *cable) {
     int64_t *before = copy_of_image(cable);
     if (before == NULL) return NO_CAPACITY;
     const int64_t lies = cablemodel_lengths_of_bristles(cable->I, cable->block_words, lengths, 3);
-    if (!(fabs(state->bristle - lengths[0]) <= 1e-9 * lengths[0]))
+    if (!(fabs(state->bristle - lengths[0]) <= SAME_BRISTLE * lengths[0]))
         scalars((double *)before)->bristle = state->bristle = lengths[0];
     int64_t status = OK;
     if (lies != NOTHING) {

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.numbers import TURNED_BACK
 
 FloatArray = NDArray[np.float64]
 
@@ -232,7 +233,7 @@ def turned(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
     if share >= 1.0:
         return end
     aside = end - along * start
-    if np.linalg.norm(aside) < 1e-9:
+    if np.linalg.norm(aside) < TURNED_BACK:
         aside = np.zeros_like(start)
         aside[int(np.argmin(np.abs(start)))] = 1.0
         aside -= (aside @ start) * start

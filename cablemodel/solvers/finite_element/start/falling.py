@@ -33,6 +33,8 @@ AT_REST = 1e-6
 """What a long step moves a line by that has come to rest, in units of its length."""
 TIMES = 3
 """Equilibria that are left in turn, at most."""
+FALLS_SHORTER = 0.25
+"""Of a step that fails: the next one."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def fall(
             other = finer(block)
             if other is not None:
                 block, places = other, motion_of(other)
-            dt *= 0.25
+            dt *= FALLS_SHORTER
             if dt < shortest:
                 return None
         elif dt * slowest > 1.0 and moved < AT_REST * length:

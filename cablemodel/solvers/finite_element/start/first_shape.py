@@ -29,6 +29,13 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import (
+    NO_DIRECTION,
+    NO_SIZE,
+    RELATIVE_ROUNDING,
+    SAME_PLACE,
+    TURNED_BACK,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -40,6 +47,25 @@ CURVE_PARTS = 16
 """Places between two points of a shape that is given."""
 LONG = 30.0
 """Of its bending layers: a clamped line that is longer hangs, a shorter one stands as a beam."""
+SHAPE_PLACES, BEND_PLACES = 201, 241
+"""Of a first shape: along all of it, and about where it bends."""
+BEND_SEEN = 6.0
+"""In half the length of a bend, to either side: places about it."""
+CATENARY_SEEN = 20.0
+"""The same of a catenary, in its least radius."""
+SHORT_LOOP = 8.0
+"""A loop's bend is at most the line over that."""
+FLATTEST, BEYOND_STEEPEST = 1e-3, 4.0
+"""Half span over the radius of a catenary that is looked for: least, and how far it goes beyond
+twice the logarithm of its length over its span."""
+CLAMP_LAYERS = 20.0
+"""Bending layers behind a clamp along which a first shape turns."""
+STRAIGHT_CHORD = 1e-6
+"""Of the length: slack of what is drawn straight."""
+UPRIGHT_CHORD = 0.999
+"""Of a chord, along what a line sags: from there on it goes aside."""
+SAG_WIDTH = 1e-15
+"""Of the length: width of the sag that is looked for."""
 
 
 def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> FloatArray:
@@ -65,7 +91,7 @@ def first_points(scene: Scene, start: FloatArray, *, swept: bool = False) -> Flo
         direction = np.asarray(scene.vessel.connection.direction, dtype=float)
         direction /= np.linalg.norm(direction)
         layer = math.sqrt(
-            scene.cable_types[top.type].bending_stiffness / max(tension_scale(scene), 1e-30)
+            scene.cable_types[top.type].bending_stiffness / max(tension_scale(scene), NO_SIZE)
         )
         if length < LONG * layer:
             return np.array([start, start + length * direction])
@@ -122,10 +148,12 @@ def drawn_by_weight(scene: Scene, start: FloatArray, way: FloatArray) -> Drawn |
         return None
     length = math.fsum(line)
     near = [
-        place + SHAPE_WIDE * layer * np.linspace(-6.0, 6.0, 241)
+        place + SHAPE_WIDE * layer * np.linspace(-BEND_SEEN, BEND_SEEN, BEND_PLACES)
         for place, layer in zip(turns, layers, strict=True)
     ]
-    s = np.unique(np.clip(np.concatenate([np.linspace(0.0, length, 201), *near]), 0.0, length))
+    s = np.unique(
+        np.clip(np.concatenate([np.linspace(0.0, length, SHAPE_PLACES), *near]), 0.0, length)
+    )
     angle = np.full(len(s), 0.0 if sections[0][1] else math.pi)  # from straight down
     back = 1.0 if sections[0][1] else -1.0
     for place, layer in zip(turns, layers, strict=True):
@@ -146,7 +174,7 @@ def _layer_at(scene: Scene, place: float) -> tuple[float, float]:
             passed += 2.0 * item.body.half_length if place > arc + passed else 0.0
         elif item.cable is not None:
             arc += item.cable.length
-            if place <= arc + passed * (1.0 + 1e-12):
+            if place <= arc + passed * (1.0 + RELATIVE_ROUNDING):
                 kind = scene.cable_types[item.cable.type]
                 if is_flexible(scene, item.cable) or not kind.submerged_weight:
                     return 0.0, passed
@@ -177,10 +205,10 @@ def bight(scene: Scene, start: FloatArray) -> Drawn | None:
         if layer == 0.0:
             return None
         way = way / span if span > 0.0 else np.array([1.0, 0.0])
-        points = _loop(start, end, lowest, length, min(layer, length / 8.0), way, down)
+        points = _loop(start, end, lowest, length, min(layer, length / SHORT_LOOP), way, down)
         return Drawn(points, [lowest - passed], [layer])
     radius, first, last = catenary
-    s = _places(first, last, radius * np.linspace(-20.0, 20.0, 241))
+    s = _places(first, last, radius * np.linspace(-CATENARY_SEEN, CATENARY_SEEN, BEND_PLACES))
     along = radius * (np.arcsinh(s / radius) - math.asinh(first / radius))
     up = radius * (np.hypot(1.0, s / radius) - math.hypot(1.0, first / radius))
     points = start + np.column_stack([np.outer(along, way / span), -down * up])
@@ -197,9 +225,9 @@ def _catenary(span: float, rise: float, length: float) -> tuple[float, float, fl
     def excess(x: float) -> float:
         return x + math.log(-math.expm1(-2.0 * x) / (2.0 * x)) - ratio
 
-    low, high = 1e-3, 2.0 * ratio + 4.0
+    low, high = FLATTEST, 2.0 * ratio + BEYOND_STEEPEST
     half = crossing(excess, low, high, at_low=excess(low), at_high=excess(high), near=0.0,
-                    width=1e-12)  # fmt: skip
+                    width=RELATIVE_ROUNDING)  # fmt: skip
     radius = 0.5 * span / half
     middle = math.atanh(rise / length)
     first, last = (radius * math.sinh(middle + sign * half) for sign in (-1.0, 1.0))
@@ -220,7 +248,7 @@ def _loop(
     lowest: arc length at the bend; wide: half the length of its bend [m]; way: horizontal unit
     vector (2,) towards which it turns; down: -1, or 1 where the line floats.
     """
-    s = _places(0.0, length, lowest + wide * np.linspace(-6.0, 6.0, 241))
+    s = _places(0.0, length, lowest + wide * np.linspace(-BEND_SEEN, BEND_SEEN, BEND_PLACES))
     angle = 0.5 * math.pi * (1.0 + np.tanh((s - lowest) / wide))  # from straight down
     middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(s)
     aside, along = np.cumsum(step * np.sin(middle)), np.cumsum(step * np.cos(middle))
@@ -233,8 +261,10 @@ def _loop(
 
 def _places(first: float, last: float, near: FloatArray) -> FloatArray:
     """Arc lengths of a first shape, from end to end and closer where it bends, none twice."""
-    s = np.unique(np.concatenate([np.linspace(first, last, 201), np.clip(near, first, last)]))
-    kept: FloatArray = s[np.diff(s, prepend=-math.inf) > 1e-9 * (last - first)]
+    s = np.unique(
+        np.concatenate([np.linspace(first, last, SHAPE_PLACES), np.clip(near, first, last)])
+    )
+    kept: FloatArray = s[np.diff(s, prepend=-math.inf) > SAME_PLACE * (last - first)]
     return kept
 
 
@@ -278,10 +308,10 @@ def _bent_at_the_clamp(
     """
     angle = float(np.arccos(np.clip(direction @ down, -1.0, 1.0)))
     aside = direction - (direction @ down) * down
-    if np.linalg.norm(aside) < 1e-9:
+    if np.linalg.norm(aside) < TURNED_BACK:
         aside = np.array([1.0, 0.0, 0.0])
     aside /= np.linalg.norm(aside)
-    s = np.concatenate([np.linspace(0.0, 20.0 * layer, 201), [length]])
+    s = np.concatenate([np.linspace(0.0, CLAMP_LAYERS * layer, SHAPE_PLACES), [length]])
     turned = 4.0 * np.arctan(math.tan(0.25 * angle) * np.exp(-s / layer))
     middle = 0.5 * (turned[1:] + turned[:-1])
     steps = np.diff(s)[:, None] * (np.cos(middle)[:, None] * down + np.sin(middle)[:, None] * aside)
@@ -306,10 +336,10 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray)
     bow: unit vector towards which it sags, (3,).
     """
     chord = float(np.linalg.norm(end - start))
-    if chord >= length * (1.0 - 1e-6):
+    if chord >= length * (1.0 - STRAIGHT_CHORD):
         return np.array([start, end])
-    x = np.linspace(0.0, 1.0, 201)
-    if abs(float((end - start) @ bow)) > 0.999 * max(chord, 1e-12):
+    x = np.linspace(0.0, 1.0, SHAPE_PLACES)
+    if abs(float((end - start) @ bow)) > UPRIGHT_CHORD * max(chord, NO_DIRECTION):
         bow = np.array([1.0, 0.0, 0.0])  # one end above the other: the slack goes aside
 
     def curve(sag: float) -> FloatArray:
@@ -324,8 +354,8 @@ def _sagging(start: FloatArray, end: FloatArray, length: float, bow: FloatArray)
         length,
         at_low=chord - length,
         at_high=too_long(length),
-        near=1e-12 * length,
-        width=1e-15 * length,
+        near=RELATIVE_ROUNDING * length,
+        width=SAG_WIDTH * length,
     )
     return curve(sag)
 

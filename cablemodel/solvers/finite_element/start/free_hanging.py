@@ -21,6 +21,7 @@ from cablemodel.solvers.shared.curves import crossing
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import NO_DIRECTION
 
 FloatArray = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -37,6 +38,8 @@ NARROW = 1e-7
 """Of the line's length: the piece that lands, where the drop of its end jumps (a body lands)."""
 ROUNDS = 12
 """In which the depth is found at which it lands in a current on a slope, at most."""
+AHEAD_FOUND = 1e-9
+"""Of the force: what may be across the cable that it pulls."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,7 @@ def _lying(
     rise = np.array(laid_loads.slopes(scene, float(start[0]), float(start[1])))
     flow = current[:2] - (velocity[:2] if dragged else 0.0)
     speed = float(np.hypot(*flow))
-    total = max(line[-1].end, 1e-12)
+    total = max(line[-1].end, NO_DIRECTION)
     load, bears, along = np.zeros(2), 0.0, 0.0
     for piece in line:
         share = ((piece.end - piece.start) or 1.0) / total
@@ -276,7 +279,7 @@ def _balanced(
         along = _dot(total, ahead)
         a, b = _dot(total, first), _dot(total, second)
         size = math.hypot(*total)
-        if math.hypot(a, b) <= 1e-9 * size and along > 0.0:
+        if math.hypot(a, b) <= AHEAD_FOUND * size and along > 0.0:
             break
         by_first = _loaded(force, piece, length, flow, _turned(ahead, first, NUDGE), rate)
         by_second = _loaded(force, piece, length, flow, _turned(ahead, second, NUDGE), rate)
@@ -323,7 +326,7 @@ def _across(ahead: Triple) -> tuple[Triple, Triple]:
     """Two unit vectors across a third and each other, the second one horizontal."""
     x, y, z = ahead
     flat = math.hypot(x, y)
-    if flat < 1e-12:
+    if flat < NO_DIRECTION:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     return (-z * x / flat, -z * y / flat, flat), (-y / flat, x / flat, 0.0)
 

@@ -75,6 +75,7 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import PROMISE
 
 FloatArray = NDArray[np.float64]
 
@@ -159,7 +160,7 @@ def drawn_to(block: Block, anchor: FloatArray) -> FloatArray:
 def promised_tension(block: Block, scene: Scene) -> float:
     """What tensions of a start may be wrong by [N]."""
     means = block.array(Header.tension, int(block.header.nodes), 2)[1:, 0]
-    return 10.0 * scene.solver.tolerance * float(np.abs(means).max())
+    return PROMISE * scene.solver.tolerance * float(np.abs(means).max())
 
 
 def _refuse_what_pushes(block: Block, scene: Scene) -> None:

@@ -26,6 +26,7 @@ from cablemodel.solvers.finite_element.start.scales import is_flexible
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import NO_SIZE
 
 FloatArray = NDArray[np.float64]
 
@@ -47,6 +48,12 @@ HELD_SHORTEST = 2e-3
 """Element, of the line's length, that is not made shorter for that."""
 SMOOTH = 1e-6
 """Of all loads: a force that is none next to it has no direction."""
+WIDEST_TURN = 0.1
+"""Of a cable's length: along what a turn is spread at most."""
+SMALLEST_PART_OF_STEP = 1e-9
+"""Of Newton's step: what is tried at last."""
+FALLS_ENOUGH = 1e-4, 1e-14
+"""Of the energy's fall along a step, and of the energy for rounding: by which it must fall."""
 
 
 def hung(scene: Scene, start: FloatArray) -> Guess | None:
@@ -94,7 +101,7 @@ def hung(scene: Scene, start: FloatArray) -> Guess | None:
             load = piece.normal * float(np.linalg.norm(water)) * water
             load[2] -= piece.weight
             total[is_behind] += load
-        least = SMOOTH * max(float(np.linalg.norm(total, axis=1).max()), 1e-30)
+        least = SMOOTH * max(float(np.linalg.norm(total, axis=1).max()), NO_SIZE)
         found = _force_at_start(total, ds, compliance, end - start, least, force)
         if found is None:
             return None
@@ -140,9 +147,9 @@ def _bent(
             width = FLEXIBLE * item.cable.length
             if not is_flexible(scene, item.cable):
                 stiffness = scene.cable_types[item.cable.type].bending_stiffness
-                load = max(float(loads[links].mean()), 1e-30)
+                load = max(float(loads[links].mean()), NO_SIZE)
                 width = max(width, HELD_WIDE * (stiffness / load) ** (1.0 / 3.0))
-            width = min(width, 0.1 * item.cable.length)
+            width = min(width, WIDEST_TURN * item.cable.length)
             away = (joints[inside][:, None] - joints[inside]) / width
             # Each turn as tanh spreads it, whole: what would go past an end stays inside.
             share = 1.0 / np.cosh(away) ** 2
@@ -218,9 +225,11 @@ def _force_at_start(
         way = -np.linalg.solve(slope, left)
         downhill = float(left @ way)
         share = 1.0
-        while share > 1e-9:
+        while share > SMALLEST_PART_OF_STEP:
             tried = gap(force + share * way)
-            if tried[2] <= value + 1e-4 * share * downhill + 1e-14 * abs(value):
+            if tried[2] <= value + FALLS_ENOUGH[0] * share * downhill + FALLS_ENOUGH[1] * abs(
+                value
+            ):
                 break
             share *= 0.5
         force = force + share * way

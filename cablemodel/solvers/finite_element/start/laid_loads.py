@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
-from cablemodel.solvers.finite_element.start.sea_floor import LYING, contact_weight
+from cablemodel.solvers.finite_element.start.sea_floor import contact_weight
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import LYING
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +33,8 @@ LAID_FLAT = 0.04
 """Between a lay and the floor [rad]: below it the touchdown runs away from the vessel."""
 LAID_STEEP = 0.01
 """Of the vessel's speed: pay-out of a lay up a slope that is steeper than the line hangs."""
+SLOPE_STEP = 1e-4
+"""Of the line's length: to either side of a place, for the slope of a table there."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ def slopes(scene: Scene, x: float, y: float) -> tuple[float, float]:
     assert floor is not None
     if floor.z is not None:
         return floor.slope
-    step = 1e-4 * scene.line_length
+    step = SLOPE_STEP * scene.line_length
     along = floor.height(x + step, y) - floor.height(x - step, y)
     across = floor.height(x, y + step) - floor.height(x, y - step)
     return 0.5 * along / step, 0.5 * across / step

@@ -17,7 +17,6 @@ from cablemodel.solvers.finite_element.mesh import halved_where
 from cablemodel.solvers.finite_element.start import free_hanging, laid_loads
 from cablemodel.solvers.finite_element.start.laid_loads import lay_angle
 from cablemodel.solvers.finite_element.start.sea_floor import (
-    LYING,
     contact_depth,
     contact_weight,
     finest_element,
@@ -30,6 +29,7 @@ from cablemodel.solvers.shared.curves import crossing, way_along
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
     from cablemodel.scene.environment import Floor
+from cablemodel.solvers.shared.numbers import LYING, NO_DIRECTION, RELATIVE_ROUNDING, TURNED_BACK
 
 FloatArray = NDArray[np.float64]
 
@@ -50,6 +50,22 @@ GRADING = 0.5
 
 BEYOND = 2.0
 """Touchdown layers behind that place in which a lay's elements are as short as above it."""
+FLOOR_PLACES, ARC_PLACES = 65, 17
+"""Along what lies in a first shape, and along an arc on to the floor."""
+SETTLES_FROM, SETTLES_TO = 1e-3, 1.5
+"""Angles to the floor from and up to which a lay sinks into the contact layer [rad]."""
+MOST_IN_LAYER = 0.2
+"""Of what hangs: what comes down within the contact layer at most."""
+NEAR_FLOOR = 1e-3
+"""Of the touchdown layer: gap of a first shape that counts as lying."""
+RADIUS_FROM, RADIUS_TO = 1e-3, 1e6
+"""Of the height: least radius of a catenary, from and up to which it is looked for."""
+NO_CORNER = 1e-3
+"""Angle at the floor that needs no arc [rad]."""
+ROUNDED_AT_MOST = 0.4
+"""Of what hangs, and of what lies: what an arc on to the floor takes of it."""
+BEYOND_ARC = 1.1
+"""Of the way from the corner to the arc's ends: places within are left out."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +126,7 @@ def on_floor(
         if settled is not None:
             return _stretched(np.vstack([bend, settled]), bend, hung)
     foot = hung.points[-1]
-    laid = _places_on(floor, foot[:2] + np.outer(np.linspace(0.0, length, 65), hung.way))
+    laid = _places_on(floor, foot[:2] + np.outer(np.linspace(0.0, length, FLOOR_PLACES), hung.way))
     shape = np.vstack([bend, _rounded(hung.points, laid, BEND * thinnest_layer(scene))])
     return _stretched(shape, bend, hung) if laying else Guess(shape)
 
@@ -132,12 +148,12 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     along = np.array([*way, float(np.dot(rise, way))])
     along /= np.linalg.norm(along)
     angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
-    if not 1e-3 < angle < 1.5:
+    if not SETTLES_FROM < angle < SETTLES_TO:
         return None
     above = depth / math.sin(angle)
     arcs = way_along(hung)
     bend = BEND * thinnest_layer(scene) * math.tan(0.5 * angle)
-    if bend > above or above > 0.2 * arcs[-1]:
+    if bend > above or above > MOST_IN_LAYER * arcs[-1]:
         return None
     top = foot - above * down
     # From the layer's edge down: heights, local angles, way along the floor.
@@ -152,8 +168,8 @@ def _settled(scene: Scene, hung: FloatArray, way: FloatArray, length: float) -> 
     if rest <= 0.0:
         return None
     flat = math.hypot(along[0], along[1])
-    steps = np.concatenate([steps, steps[-1] + rest * np.linspace(0.0, 1.0, 65)[1:] ** 2])
-    heights = np.concatenate([heights, np.zeros(64)])
+    steps = np.concatenate([steps, steps[-1] + rest * np.linspace(0.0, 1.0, FLOOR_PLACES)[1:] ** 2])
+    heights = np.concatenate([heights, np.zeros(FLOOR_PLACES - 1)])
     places = top[:2] + np.outer(steps, along[:2])
     settled = _places_on(floor, places)
     settled[:, 2] += heights / flat
@@ -184,7 +200,7 @@ def _stretched(points: FloatArray, bend: FloatArray, hung: free_hanging.Hanging)
     points = np.vstack([points[:-1], points[-1] + missing / size * last])
     arcs[-1] += missing
     arcs *= hung.line_length / arcs[-1]
-    end = [[hung.line_length * (1.0 + 1e-12), 0.0]]
+    end = [[hung.line_length * (1.0 + RELATIVE_ROUNDING), 0.0]]
     return Guess(points, arcs, np.vstack([np.column_stack([hung.arcs, hung.tension]), end]))
 
 
@@ -217,7 +233,7 @@ def refine_guess(scene: Scene, nodes: list[FloatArray], guess: Guess) -> list[Fl
         return nodes
     floor = scene.environment.floor
     arcs = way_along(points) if guess.arcs is None else guess.arcs
-    near = LYING * contact_depth(scene) if guess.at_rest else 1e-3 * thinnest_layer(scene)
+    near = LYING * contact_depth(scene) if guess.at_rest else NEAR_FLOOR * thinnest_layer(scene)
     lies = [z < floor.height(float(x), float(y)) + near for x, y, z in points]
     if not any(lies):
         return nodes
@@ -290,12 +306,12 @@ def _laid_to(
     if all(p[2] > floor.height(float(p[0]), float(p[1])) for p in hanging[1:-1]):
         return hanging
     across = float(np.hypot(*(start - end)[:2]))
-    way = (end - start)[:2] / max(across, 1e-12)
+    way = (end - start)[:2] / max(across, NO_DIRECTION)
     arc = _catenary(length - across, float(start[2] - end[2]), radius)
     hang = arc[0, 0] if len(arc) else 0.0
     if hang > across:
         return hanging
-    laid = _places_on(floor, start[:2] + np.outer(np.linspace(hang, across, 65), way))
+    laid = _places_on(floor, start[:2] + np.outer(np.linspace(hang, across, FLOOR_PLACES), way))
     laid[-1] = end
     if not len(arc):
         return _rounded(np.vstack([start, laid[0]]), laid, radius)
@@ -308,7 +324,9 @@ def _laid_to(
 def _upright(floor: Floor, start: FloatArray, end: FloatArray, length: float) -> FloatArray:
     """A cable to an anchor that hangs straight down, and turns on to the floor, as if that were
     level, by an arc that makes it as long as it is, (n, 3) [m]."""
-    laid = _places_on(floor, start[:2] + np.outer(np.linspace(0.0, 1.0, 65), (end - start)[:2]))
+    laid = _places_on(
+        floor, start[:2] + np.outer(np.linspace(0.0, 1.0, FLOOR_PLACES), (end - start)[:2])
+    )
     laid[-1] = end
     cut = float(start[2] - laid[0, 2] + way_along(laid)[-1]) - length
     return _rounded(np.vstack([start, laid[0]]), laid, max(cut, 0.0) / CORNER)
@@ -329,13 +347,15 @@ def _catenary(slack: float, rise: float, smallest: float) -> FloatArray:
         span = radius * math.acosh(1.0 + rise / radius)
         return math.sqrt(rise * (rise + 2.0 * radius)) - span - slack
 
-    low, high = math.log(1e-3 * rise), math.log(1e6 * rise)
+    low, high = math.log(RADIUS_FROM * rise), math.log(RADIUS_TO * rise)
     at_low, at_high = excess(low), excess(high)
     if at_low <= 0.0 or at_high >= 0.0:
         return np.empty((0, 2))
-    log_radius = crossing(excess, low, high, at_low=at_low, at_high=at_high, near=0.0, width=1e-12)
+    log_radius = crossing(
+        excess, low, high, at_low=at_low, at_high=at_high, near=0.0, width=RELATIVE_ROUNDING
+    )
     radius = max(smallest, math.exp(log_radius))
-    arcs = math.sqrt(rise * (rise + 2.0 * radius)) * np.linspace(1.0, 0.0, 65) ** 2
+    arcs = math.sqrt(rise * (rise + 2.0 * radius)) * np.linspace(1.0, 0.0, FLOOR_PLACES) ** 2
     turned = arcs / radius
     return np.stack([radius * np.arcsinh(turned), radius * (np.hypot(1.0, turned) - 1.0)], axis=-1)
 
@@ -359,13 +379,13 @@ def _rounded(hung: FloatArray, laid: FloatArray, radius: float) -> FloatArray:
     down, along = down / np.linalg.norm(down), along / np.linalg.norm(along)
     angle = math.acos(max(-1.0, min(1.0, float(down @ along))))
     inward = along - float(along @ down) * down
-    if angle < 1e-3 or np.linalg.norm(inward) < 1e-9:
+    if angle < NO_CORNER or np.linalg.norm(inward) < TURNED_BACK:
         return np.vstack([hung[:-1], laid])
-    reach = min(radius * math.tan(0.5 * angle), 0.4 * hangs, 0.4 * lies)
+    reach = min(radius * math.tan(0.5 * angle), ROUNDED_AT_MOST * hangs, ROUNDED_AT_MOST * lies)
     radius = reach / math.tan(0.5 * angle)
     inward /= np.linalg.norm(inward)
-    turned = np.linspace(0.0, angle, 17)[:, None]
+    turned = np.linspace(0.0, angle, ARC_PLACES)[:, None]
     arc = corner - reach * down + radius * (np.sin(turned) * down + (1.0 - np.cos(turned)) * inward)
-    above = np.linalg.norm(hung - corner, axis=1) > 1.1 * reach
-    beyond = np.linalg.norm(laid - corner, axis=1) > 1.1 * reach
+    above = np.linalg.norm(hung - corner, axis=1) > BEYOND_ARC * reach
+    beyond = np.linalg.norm(laid - corner, axis=1) > BEYOND_ARC * reach
     return np.vstack([hung[above], arc, laid[beyond]])

@@ -35,6 +35,7 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import LYING, NO_DIRECTION
 
 FloatArray = NDArray[np.float64]
 
@@ -68,6 +69,12 @@ STEP_OF_LAYER, SMALLEST_STEP_OF_LAYER = 10.0, 1.2
 of such steps where longer ones fail."""
 SLIDES = 3.0
 """Of a bristle's length: well beyond where it slips."""
+DRAWN_ROUNDS = 20
+"""For bristles that bear, with the floor's own law, what they are asked to."""
+DRAWN_FROM, DRAWN_TO = 0.2, 5.0
+"""Ratio by which they are drawn anew in one of these."""
+DRAWN_MOST = 100.0
+"""In bristles: how far they are drawn at most."""
 
 
 def applies(scene: Scene) -> bool:
@@ -400,7 +407,11 @@ def _laid_line(block: Block, scene: Scene, q: FloatArray) -> FloatArray:
     ends = _on_floor(block, scene, q[[foot, tail]]) if even else q[[foot, tail]]
     way = ends[1] - ends[0]
     runs_back = is_laid_back(scene)
-    way = _way_back(block, scene) if runs_back else way / max(float(np.linalg.norm(way)), 1e-12)
+    way = (
+        _way_back(block, scene)
+        if runs_back
+        else way / max(float(np.linalg.norm(way)), NO_DIRECTION)
+    )
     edges = block.array(Header.edges, len(q), at.EDGE_WORDS)
     lengths = np.where(block.integers(Header.joint, len(q)) == 0, edges[:, at.Edge.length], 0.0)
     for body in block.array(Header.bodies, int(block.header.body_count), at.BODY_WORDS):
@@ -449,7 +460,7 @@ def _put_on(block: Block, line: FloatArray, lies: NDArray[np.bool_]) -> None:
     if len(places) < 3:
         return
     turned = np.gradient(line[places], axis=0)
-    turned /= np.maximum(np.linalg.norm(turned, axis=1), 1e-12)[:, None]
+    turned /= np.maximum(np.linalg.norm(turned, axis=1), NO_DIRECTION)[:, None]
     for node, along in zip(places[2:], turned[2:], strict=True):
         q[node, :dimension] = line[node]
         q[node, dimension:] = along * np.linalg.norm(q[node, dimension:])
@@ -465,12 +476,12 @@ def _slide(
     places = np.flatnonzero(lies)
     way = line[places[-1]] - line[places[0]]
     size = float(np.linalg.norm(way))
-    along = (q - line) @ (way / max(size, 1e-12))
+    along = (q - line) @ (way / max(size, NO_DIRECTION))
     along[~lies] = 0.0
     along[: places[0]] = along[places[0]]
     if even:
         along[:] = bears[lies] @ along[lies] / float(bears[lies].sum())
-    line += np.outer(along, way / max(size, 1e-12))
+    line += np.outer(along, way / max(size, NO_DIRECTION))
     return np.asarray(np.abs(along), dtype=np.float64)
 
 
@@ -535,14 +546,14 @@ def which_lie(block: Block, scene: Scene) -> NDArray[np.bool_]:
 def which_bear(block: Block, scene: Scene) -> NDArray[np.bool_]:
     """Which nodes are down on the floor, not at the edge of its contact layer, (nodes,)."""
     gaps = gaps_above(block, scene, _positions(block))
-    return np.asarray(gaps < sea_floor.LYING * float(block.scalars.floor_depth))
+    return np.asarray(gaps < LYING * float(block.scalars.floor_depth))
 
 
 def _along(block: Block) -> FloatArray:
     """Unit vectors along the cable at the nodes, away from the vessel, (nodes, dimension)."""
     nodes, dimension = int(block.header.nodes), int(block.header.dimension)
     slopes = block.array(Header.position, nodes, 2 * dimension)[:, dimension:]
-    return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1), 1e-12)[:, None])
+    return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1), NO_DIRECTION)[:, None])
 
 
 def _flow(block: Block, scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -634,18 +645,18 @@ def _shares(
         up = _up_at(block, scene, places[node])
         if dragged:
             along = own[node] - (own[node] @ up) * up
-            share[node] = SLIDES * along / max(float(np.linalg.norm(along)), 1e-12)
+            share[node] = SLIDES * along / max(float(np.linalg.norm(along)), NO_DIRECTION)
             continue
         down = _downhill(up)
         steep[node] = np.linalg.norm(down) / up[-1]
-        share[node] = down / max(float(np.linalg.norm(down)), 1e-12)
+        share[node] = down / max(float(np.linalg.norm(down)), NO_DIRECTION)
         if drags is not None:
             drags[node] -= (drags[node] @ up) * up
     if dragged:
         return share
     share *= _drawn(block, scene, steep / friction)[:, None]
     if drags is not None:
-        share += drags / (friction * np.maximum(bears, 1e-12))[:, None]
+        share += drags / (friction * np.maximum(bears, NO_DIRECTION))[:, None]
     return share
 
 
@@ -691,15 +702,17 @@ def _drawn(block: Block, scene: Scene, wanted: FloatArray) -> FloatArray:
     touches = at_nodes(law) > 0.0
     drawn = np.where(touches, wanted, drawn)
     needed = wanted * at_nodes(law)
-    for _ in range(20):
+    for _ in range(DRAWN_ROUNDS):
         bristle = np.outer(drawn[upper], 1.0 - CONTACT_POINTS) + np.outer(
             drawn[lower], CONTACT_POINTS
         )
         held = at_nodes(np.minimum(bristle, law))
         drawn = np.where(
-            held > 0.0, drawn * np.clip(needed / np.maximum(held, 1e-300), 0.2, 5.0), drawn
+            held > 0.0,
+            drawn * np.clip(needed / np.maximum(held, 1e-300), DRAWN_FROM, DRAWN_TO),
+            drawn,
         )
-    return np.asarray(np.minimum(drawn, 100.0), dtype=np.float64)
+    return np.asarray(np.minimum(drawn, DRAWN_MOST), dtype=np.float64)
 
 
 def law_of_contact(gaps: FloatArray) -> FloatArray:

@@ -24,6 +24,8 @@ FloatArray = NDArray[np.float64]
 SHARP = 0.25
 """Of a bending layer: what is resolved where a clamp turns the line back; elements that turn by
 more than a right angle find no equilibrium."""
+CLAMPED_UP = 0.1
+"""Upward part of a clamp's direction that turns a line back which sinks."""
 
 
 @dataclass
@@ -88,7 +90,7 @@ def spans_of(scene: Scene, scale: float) -> list[Span]:
 def _bends_back(scene: Scene) -> bool:
     """Whether a clamp at the vessel turns the line away from where it hangs."""
     direction = scene.vessel.connection.direction
-    return direction is not None and (direction[2] > 0.1) == sinks(scene)
+    return direction is not None and (direction[2] > CLAMPED_UP) == sinks(scene)
 
 
 def lay_out(scene: Scene, spaced: list[FloatArray]) -> Line:

@@ -26,6 +26,7 @@ from cablemodel.solvers.shared.layout import LIGHT_DAMPING, Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
+from cablemodel.solvers.shared.numbers import SAME_PLACE
 
 FloatArray = NDArray[np.float64]
 
@@ -131,7 +132,7 @@ def shape_of(block: Block) -> tuple[FloatArray, FloatArray]:
     places = _node_places(block) if len(bodies) else points
     for node in reversed(bodies):
         # Both ends of a body have the same arc length: one station, or the line's last one.
-        here = int(np.searchsorted(stations, ends[node] - 1e-9 * ends[-1]))
+        here = int(np.searchsorted(stations, ends[node] - SAME_PLACE * ends[-1]))
         points = np.vstack([points[:here], places[node - 1 : node + 1], points[here + 1 :]])
         length = passed[node] - passed[node - 1]
         body = [ends[node], ends[node] + length]

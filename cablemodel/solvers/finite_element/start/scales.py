@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 LARGE_STRAIN = 0.02
 """At the start: `cablemodel check` and FMUs warn of larger ones."""
+TYPICAL_DRAG = 0.1
+"""Of a cable's drag across: what it has on the average along a line that is inclined."""
 
 
 def tension_scale(scene: Scene) -> float:
@@ -48,7 +50,9 @@ def tension_per_length(scene: Scene) -> list[float]:
     found = []
     for kind in (scene.cable_types[cable.type] for cable in scene.cables):
         weight = kind.typical_weight(gravity)
-        found.append(weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * 0.1)
+        found.append(
+            weight + 0.5 * rho * kind.drag_normal * kind.diameter * speed**2 * TYPICAL_DRAG
+        )
     return found
 
 

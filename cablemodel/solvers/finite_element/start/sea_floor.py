@@ -24,13 +24,11 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-LYING = 0.2277
-"""Of that: cable that is no higher lies (kernels/floor/contact.py)."""
 SHARPEST = 1.2, 0.003
 """Length over which bending spreads a touchdown of cable that has no bending stiffness, in units of
 tau times the height from which it hangs, and of that height: the longer one. Without the second
 part starts at fine tolerances take a minute, and each tolerance would lay another cable."""
-STANDS = 7.837 ** (-1.0 / 3.0)
+COLUMN_HEIGHT = 7.837 ** (-1.0 / 3.0)
 """The same in units of p / w, of cable that leaves a winch with the momentum p = (m + m_a) V^2:
 that high above where it lands, the tension is less than p, which pushes it like a column that
 stands on the floor, and less stiff it would buckle (Greenhill 1881)."""
@@ -41,11 +39,26 @@ UNFOLDING = 1.2, 0.003
 """Layer from which on a lay does not fold on the way to its start, in units of tau L, and of L."""
 FLOOR_SPARE = 40, 30
 """Nodes kept for refinement: a constant, and one for each halving down to the finest element."""
+PRELOAD = 1e-3
+"""Of the weight in air: what the floor's preload carries of cable, or a body, that floats."""
+LEAST_PRELOAD = 1e-9
+"""That of cable without mass [N/m]."""
+ABOVE_TABLE = 0.05
+"""Of a table's range of heights: what its cubics may be above the highest of them."""
+TAKES_OFF = 3.0
+"""Speed over what the layer takes off that of what falls through it, in the product of its depth,
+damping and gravity."""
+BELOW_FLOOR = 1e-6
+"""Of the line's length: what a place that is given may be below the floor by rounding."""
+TRACK_TIMES = 201
+"""Times of a run at which its track is compared with the floor."""
+TRACK_BELOW = 1e-3
+"""Of the line's length: what the tow point may come below the floor in the run."""
 
 
 def contact_weight(kind: CableType, gravity: float) -> float:
     """Weight per length that the floor's preload carries [N/m]; small for a cable that floats."""
-    return max(kind.submerged_weight, 1e-3 * kind.mass * gravity, 1e-9)
+    return max(kind.submerged_weight, PRELOAD * kind.mass * gravity, LEAST_PRELOAD)
 
 
 def momentum_of(kind: CableType, density: float, rate: float) -> float:
@@ -77,7 +90,7 @@ def least_bending(scene: CableScene, kind: CableType) -> float:
     layer = hanging_height(scene) * max(SHARPEST[0] * scene.solver.tolerance, SHARPEST[1])
     momentum = momentum_of(kind, scene.environment.water_density, _fastest_lay(scene))
     # None bends more sharply than it is thick.
-    return weight * max(layer, kind.diameter, STANDS * momentum / weight) ** 3
+    return weight * max(layer, kind.diameter, COLUMN_HEIGHT * momentum / weight) ** 3
 
 
 def _fastest_lay(scene: CableScene) -> float:
@@ -195,7 +208,7 @@ def fill(block: Block, scene: CableScene) -> None:
     both = _slopes(y, along_x.T).T
     words = block.array(Header.floor, table_words(floor))
     words[:] = np.concatenate([x, y, np.stack([z, along_x, along_y, both], axis=-1).ravel()])
-    state.floor_top = float(z.max() + 0.05 * np.ptp(z))
+    state.floor_top = float(z.max() + ABOVE_TABLE * np.ptp(z))
     bend = _sharpest(x, z, along_x) + _sharpest(y, z.T, along_y.T)
     state.floor_bend = bend / 8.0
 
@@ -238,7 +251,7 @@ def _damping(scene: CableScene) -> tuple[float, float]:
     sinks = 1.0 / max(speeds)
     fall = scene.solver.tolerance * scene.line_length
     speed = math.sqrt(2.0 * scene.environment.gravity * fall)
-    return sinks, max(sinks, 3.0 * speed / (scene.environment.gravity * contact_depth(scene)))
+    return sinks, max(sinks, TAKES_OFF * speed / (scene.environment.gravity * contact_depth(scene)))
 
 
 def place_of_rest(block: Block, scene: Scene) -> None:
@@ -278,7 +291,7 @@ def check(scene: Scene, points: FloatArray) -> None:
     floor = scene.environment.floor
     if floor is None:
         return
-    margin = 1e-6 * scene.line_length
+    margin = BELOW_FLOOR * scene.line_length
     if floor.z is None:
         _check_cover(scene, floor, points)
     _check_above(floor, "vessel.position", points[0], margin)
@@ -303,8 +316,8 @@ def _check_above(floor: Floor, path: str, point: FloatArray, margin: float) -> N
 
 def _check_afloat(scene: Scene, floor: Floor) -> None:
     """The vessel's own schedule must not take the tow point below the floor during the run."""
-    times = np.linspace(0.0, scene.run.duration, 201)
-    most = 1e-3 * scene.line_length
+    times = np.linspace(0.0, scene.run.duration, TRACK_TIMES)
+    most = TRACK_BELOW * scene.line_length
     for time, place in zip(times, scene.motion().track(times)[0].tolist(), strict=True):
         depth = floor.height(place[0], place[1]) - place[2]
         if depth > most:
@@ -318,7 +331,7 @@ def _check_afloat(scene: Scene, floor: Floor) -> None:
 
 def _check_cover(scene: Scene, floor: Floor, points: FloatArray) -> None:
     """The table must hold the vessel's track over the run, the first shape and the anchor."""
-    track = scene.motion().track(np.linspace(0.0, scene.run.duration, 201))[0]
+    track = scene.motion().track(np.linspace(0.0, scene.run.duration, TRACK_TIMES))[0]
     places = np.array([*track, *points])
     for axis, name, grid in ((0, "x", floor.grid_x), (1, "y", floor.grid_y)):
         if len(grid) < 2:

@@ -40,6 +40,8 @@ SEARCH_FEWEST = 10
 """Steps that a relaxation gets at least, while there is time."""
 SHALLOW = math.radians(33.0)
 """A line that is towed or held at a smaller angle from the horizontal is named as hard."""
+THICK_LAYER = 30.0
+"""In depths of the contact layer: a touchdown layer beyond which a start is named as hard."""
 
 
 class OutOfTimeError(Exception):
@@ -162,7 +164,7 @@ def what_is_hard(scene: Scene) -> str:
                 f"its bending stiffness spreads the touchdown over {layer:.2g} m of a line of "
                 f"{scene.line_length:.4g} m only"
             )
-        if layer > 30.0 * depth:
+        if layer > THICK_LAYER * depth:
             hard.append(
                 f"the floor's contact layer of {depth:.2g} m is thin against the {layer:.2g} m in "
                 "which the cable bends on to it (a larger solver.tolerance makes it thicker)"

@@ -47,6 +47,12 @@ SEA_STAYS = 0.25
 the water of its first iteration."""
 SEA_UNSEEN = 0.01
 """Of what is allowed: a mirror at the bottom that is less is left out."""
+ENERGY_SEEN = 0.95
+"""Of a sea's components, in order of their frequencies: those whose periods steps resolve."""
+DEEPEST = 1e9
+"""Depth in place of one that is not given [m]."""
+CARRIERS = 18
+"""Frequencies from the lowest to the highest component: those within are tried as carriers."""
 
 
 def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
@@ -57,7 +63,7 @@ def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
     state = Scalars(reals)
     state.wave_ramp = waves.ramp
     # The shortest waves that matter: a twentieth of the energy is in shorter ones.
-    fast = float(np.quantile(waves.frequency, 0.95))
+    fast = float(np.quantile(waves.frequency, ENERGY_SEEN))
     state.wave_step = 2.0 * math.pi / fast / RESOLUTION
     state.wave_depth = min(waves.depth, 1e300)
     state.wave_crest = float(waves.amplitude.sum())
@@ -120,9 +126,9 @@ def layers(waves: Sea, tolerance: float) -> tuple[Layer, ...]:
     allowed = min(CELL_ERROR[0] * tolerance, CELL_ERROR[1])
     frequency, number = waves.frequency, waves.number
     speed = waves.amplitude * frequency / (1.0 - np.exp(-2.0 * number * waves.depth))
-    mirrored = speed * np.exp(-number * min(waves.depth, 1e9))
+    mirrored = speed * np.exp(-number * min(waves.depth, DEEPEST))
     scale = np.linalg.norm(speed * frequency)
-    carriers = np.linspace(frequency.min(), frequency.max(), 18)[1:-1, None]
+    carriers = np.linspace(frequency.min(), frequency.max(), CARRIERS)[1:-1, None]
     carrier_numbers = np.interp(carriers, frequency, number)
     faster, shorter = frequency - carriers, number - carrier_numbers
 

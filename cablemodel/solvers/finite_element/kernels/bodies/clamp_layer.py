@@ -35,6 +35,7 @@ from cablemodel.solvers.shared.access import (
 from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.environment import add_layer_motion
 from cablemodel.solvers.shared.layout import BY_SPRING
+from cablemodel.solvers.shared.numbers import NO_DIRECTION
 
 FEW, MANY = 4.0, 8.0  # layers in the cable's length, up to which the spring has all of it, or none
 FOLLOW_RATE = 6.0  # rate at which the place follows, times sqrt(L/g); faster what a winch changes
@@ -263,7 +264,7 @@ def add_layer_shape(I, M, s, place, tangent, velocity, rate):
         half = (1.0 - quarter * quarter) / (1.0 + quarter * quarter)
         half_sine = 2.0 * quarter / (1.0 + quarter * quarter)
         left = 2.0 * half * half - 1.0
-        sine = max(math.sqrt(max(0.0, 1.0 - cosine * cosine)), 1e-12)
+        sine = max(math.sqrt(max(0.0, 1.0 - cosine * cosine)), NO_DIRECTION)
         for i in range(dimension):
             across = (clamp[i] - cosine * cable[i]) / sine
             here[i] = left * cable[i] + 2.0 * half * half_sine * across

@@ -33,6 +33,8 @@ from cablemodel.solvers.shared.layout import (
     PIECE_WORDS,
 )
 
+STOP_SEEN = 0.8  # of a step's tolerance: a jump times dt^2, which makes an eighth of it an error
+
 
 @kernel
 def piece_at(M, first, count, t):
@@ -210,7 +212,7 @@ def is_a_stop(M, piece, dt):
     state = scalars(M)
     if piece.velocity_jump > 0.0:
         return True
-    if piece.acceleration_jump * dt * dt > 0.8 * state.time_tolerance:
+    if piece.acceleration_jump * dt * dt > STOP_SEEN * state.time_tolerance:
         return True
     if state.heard == 0.0:
         return False

@@ -15,6 +15,7 @@ from cablemodel.solvers.shared.access import body_of, header, scalars, vector, w
 from cablemodel.solvers.shared.compile import kernel, own_record
 from cablemodel.solvers.shared.environment import current_at, surge_at
 from cablemodel.solvers.shared.layout import BODY_WORDS
+from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.solvers.shared.record import Record, part, reals
 
 
@@ -106,7 +107,7 @@ def flow_derivatives(row, dimension, inertia, ig, ca, cv, body):
     axis = body.axis
     across = body.across
     finite = row.length > 0.0
-    inverse = 1.0 / max(sn, 1e-30)
+    inverse = 1.0 / max(sn, NO_SIZE)
     cn = row.drag
     ct = row.drag_axial
     added = row.added_mass - row.added_mass_axial

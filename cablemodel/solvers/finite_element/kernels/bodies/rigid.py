@@ -57,6 +57,9 @@ SOFT_CLAMP = 1e3  # the same for a hybrid, whose tension decides from time to ti
 FREE_WORK = 0.05  # of tau L times a typical tension: what a clamp may gain in sqrt(L/g) by itself
 UNRESOLVED = 8.4686  # h / sqrt(EI/T) at which a string's cubic turns as easily as the layer
 SLOPE_INERTIA = 1e-9  # of m l^2: keeps the mass matrix regular for the slope at the line's end
+LEAST_CUBIC_SHARE = 0.1  # of the layer's softness: what a string's cubic leaves of it at least
+# Of an elastica's cubic in powers of h / sqrt(EI/T): as much of the layer's softness is resolved.
+CUBIC_FIT_0, CUBIC_FIT_2, CUBIC_FIT_3 = 1440.0, 101.7, 8.22
 
 
 @kernel
@@ -149,10 +152,10 @@ def clamp_stiffness(M, edge, tension, length, resolved):
     stiff += SOFT_CLAMP * math.sqrt(full * tension)
     x = h * math.sqrt(tension / full)
     x4 = x**4
-    share = x4 / (1440.0 + 101.7 * x * x + 8.22 * x**3 + x4)
+    share = x4 / (CUBIC_FIT_0 + CUBIC_FIT_2 * x * x + CUBIC_FIT_3 * x**3 + x4)
     if edge.bending == 0.0:
         # A string's cubic, which gives way by UNRESOLVED / h of the layer.
-        share = max(1.0 - UNRESOLVED / x, 0.1)
+        share = max(1.0 - UNRESOLVED / x, LEAST_CUBIC_SHARE)
     return 1.0 / (share / math.sqrt(full * tension) + 1.0 / stiff)
 
 

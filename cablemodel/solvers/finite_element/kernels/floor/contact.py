@@ -31,7 +31,6 @@ from cablemodel.solvers.shared.layout import JOINT_BODY
 from cablemodel.solvers.shared.record import Record, reals
 
 TIPPING = 1e-3  # of the normal force: what tips cable over that stands on its end
-LYING = 0.2277  # of delta: the gap where a taut cable would touch a rigid floor
 
 
 class Contact(Record):

@@ -4,7 +4,6 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.tables import CONTACT_POINTS, CONTACT_WEIGHTS
 from cablemodel.solvers.finite_element.kernels.floor.contact import (
-    LYING,
     contact_force,
     contact_law,
     contact_of,
@@ -30,9 +29,12 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import kernel, own_record, view
 from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, JOINT_BODY, JOINT_HINGE, JOINT_ROOT
+from cablemodel.solvers.shared.numbers import LYING
 from cablemodel.solvers.shared.record import Record, integer, real
 
 ZONE = 2.5, 6.0  # touchdown layers behind a touchdown: ends of the zone of its reaction
+LOOKED_PARTS = 16  # of an element: between them its gap is taken as even
+GAP_HALVINGS = 30  # of such a part: where the gap is first less
 
 
 @kernel
@@ -128,13 +130,13 @@ def first_below(I, M, node, turned, depth):
     place = vector()
     normal = vector()
     before = 0.0
-    for k in range(17):
-        x = k / 16.0
+    for k in range(LOOKED_PARTS + 1):
+        x = k / LOOKED_PARTS
         if gap_along(I, M, node, turned, x, place, normal) < depth:
             if k == 0:
                 return 0.0
             after = x
-            for _halving in range(30):
+            for _halving in range(GAP_HALVINGS):
                 x = 0.5 * (before + after)
                 if gap_along(I, M, node, turned, x, place, normal) < depth:
                     after = x
@@ -184,8 +186,8 @@ def lying_share(I, M, node, turned, begin):
     normal = vector()
     share = 0.0
     before = 0.0
-    for k in range(17):
-        x = begin + (1.0 - begin) * k / 16.0
+    for k in range(LOOKED_PARTS + 1):
+        x = begin + (1.0 - begin) * k / LOOKED_PARTS
         clear = gap_along(I, M, node, turned, x, place, normal) - depth
         if k > 0:
             if clear < 0.0 and before < 0.0:
@@ -193,7 +195,7 @@ def lying_share(I, M, node, turned, begin):
             elif clear < 0.0 or before < 0.0:
                 share += min(clear, before) / (min(clear, before) - max(clear, before))
         before = clear
-    return share * (1.0 - begin) / 16.0
+    return share * (1.0 - begin) / LOOKED_PARTS
 
 
 class FloorZone(Record):

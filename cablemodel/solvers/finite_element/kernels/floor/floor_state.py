@@ -18,7 +18,7 @@ from cablemodel.solvers.shared.layout import (
 CLEAR = 2.0  # contact layers: what is higher has left the floor
 FLOOR_NEAR = 2.0  # lengths of an element above the floor within which its gap asks for a length
 AWAY = 3.0  # and the gap beyond which it does no more: no change to and fro
-SOON = 2.0  # steps for which what comes down is near before it is
+NEAR_SOON = 2.0  # steps for which what comes down is near before it is
 
 
 @kernel
@@ -59,11 +59,11 @@ def is_near(I, M, q, v, lengths):
     dimension = head.dimension
     for node in range(head.nodes - 1, 0, -1):
         h = edge_of(I, M, node).length
-        way = SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
+        way = NEAR_SOON * state.step * max(0.0, -v[2 * dimension * node + dimension - 1])
         if gap_of(I, M, q, node) < state.floor_depth + lengths * h + way:
             return True
     return head.foot_count != 0 and feet_are_near(
-        I, M, state.floor_depth, SOON * state.step, lengths
+        I, M, state.floor_depth, NEAR_SOON * state.step, lengths
     )
 
 

@@ -16,6 +16,8 @@ from cablemodel.solvers.shared.layout import (
     FLOOR_PLANE,
 )
 
+FAR_ABOVE = 4.0  # of an element, above the highest floor: no nearer gap is looked for
+
 
 @kernel
 def table_height(I, M, x, y):
@@ -168,7 +170,7 @@ def lowest_gap(I, M, q, node):
         third = bezier_third(k, h)
         lowest = min(lowest, q[size * end + up] + third * q[size * end + dimension + up])
     clear = lowest + state.origin[2] - state.floor_top
-    if clear > 4.0 * h + state.floor_depth or is_level(I, M):
+    if clear > FAR_ABOVE * h + state.floor_depth or is_level(I, M):
         return clear
     place = vector()
     normal = vector()

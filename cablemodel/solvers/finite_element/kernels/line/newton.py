@@ -10,10 +10,11 @@ from cablemodel.solvers.shared.layout import (
     JOINT_FREE,
     JOINT_ROOT_FREE,
 )
+from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
 
-SLOPE_WEIGHT = 0.3  # weight of h |d| in norms, against |r|
 SLOPE_RANGE = 0.5, 1.6  # of |r'| at a node, beside its stretch
 NO_TENSION = 1e-8  # of a typical tension: what a line at rest without any has by rounding
+TENSION_SETTLED = 1e-4  # of the largest: change in the last iteration of what is read
 
 
 @inlined

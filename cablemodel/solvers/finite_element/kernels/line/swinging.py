@@ -27,6 +27,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
 from cablemodel.solvers.shared.access import closure_of, free_body_of, header, scalars
 from cablemodel.solvers.shared.compile import kernel, outlined, view
 from cablemodel.solvers.shared.layout import JOINT_BODY, JOINT_NONE, MOTIONS
+from cablemodel.solvers.shared.numbers import NO_SIZE
 
 BESIDE = 3  # motions from which the space is made: as many may be alike
 SAME_MOTION = 1e-8  # of a motion: what is left of one that the others make up
@@ -82,7 +83,7 @@ def find_matrices(I, M, stiffness, damping, mass):
         ca = 1.0 if part == 0 else 0.0
         assemble_into(I, M, 1.0 - ca, ca, stiffness, 1.0, out)
         # A large factor keeps it from drowning in the stiffness.
-        factor = max(1.0, stiffest / max(largest_of(I, out), 1e-30))
+        factor = max(1.0, stiffest / max(largest_of(I, out), NO_SIZE))
         if part == 1 and header(I).free_count != 0:
             factor = min(factor, SLOW_DAMPING)
         assemble_into(I, M, factor * (1.0 - ca), factor * ca, stiffness, 1.0 / factor, out)

@@ -47,10 +47,12 @@ from cablemodel.solvers.shared.layout import (
     NOTHING,
     OK,
 )
+from cablemodel.solvers.shared.numbers import COMMON_TOLERANCE, END_BEND
 
 BENDING_PAUSE = 0.02  # of sqrt(L/g): how often the mesh is looked at
 BENDING_STRAIGHT = 0.02  # of what is allowed: the same for two elements that are joined
 BENDING_TOO_LONG = 1.5  # of what an element should have: longer ones are halved
+UNITED_LENGTH = 1.001  # of the length before: two elements that may be one are no longer, rounded
 
 
 @kernel
@@ -89,7 +91,7 @@ def may_snap(I, M, node):
     t0, t1 = tension_of(I, M, node).mean, tension_of(I, M, node).slope
     if is_limp(edge) or not folds(M, edge, t0, t1):
         return False
-    finer = math.pow(scalars(M).tolerance / 1e-3, 0.25)
+    finer = math.pow(scalars(M).tolerance / COMMON_TOLERANCE, 0.25)
     return edge.length > BENDING_TOO_LONG * SNAPS * line_length(I, M, edge) * finer
 
 
@@ -109,7 +111,7 @@ def may_unite(I, M, node, jump):
     lower = edge_at(M, word_of(M, upper) + EDGE_WORDS)
     h = upper.length + lower.length
     return (
-        h <= 1.001 * min(upper.nominal, lower.nominal)
+        h <= UNITED_LENGTH * min(upper.nominal, lower.nominal)
         and upper.segment == lower.segment
         and not holds_something(I, M, node)
         and h * h * jump <= bend_allowed(I, M, node)
@@ -173,7 +175,7 @@ def measure_bends(I, M, out):
             square = 0.0
             for i in range(head.dimension):
                 square += (end[i] - begin[i]) ** 2
-            jump = max(jump, 0.25 * math.sqrt(square))
+            jump = max(jump, END_BEND * math.sqrt(square))
         h = edge_of(I, M, node).length
         out[node] = h * h * jump
 

@@ -27,6 +27,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import kernel, own_record, view
 from cablemodel.solvers.shared.layout import BODY_WORDS, MATTER_WORDS
+from cablemodel.solvers.shared.numbers import SAME_PLACE
 from cablemodel.solvers.shared.record import Record, reals
 
 BARE = 0.05  # of its length: what is out of a body before it takes the top element's place,
@@ -133,7 +134,7 @@ def next_mark(I, M, n, outwards):
     at = cable_of(I, M, cable)
     out = winch.travel - at.leaves
     length = body.length
-    near = 1e-9 * length
+    near = SAME_PLACE * length
     if not outwards:
         if winch.passing_body != 0.0 and out > length + near:
             return out - length

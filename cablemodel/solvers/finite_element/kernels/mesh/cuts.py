@@ -45,8 +45,10 @@ from cablemodel.solvers.shared.layout import (
     TENSION_WORDS,
     WHOLLY,
 )
+from cablemodel.solvers.shared.numbers import FINEST_TOLERANCE
 
 AT_A_NODE = 1e-6  # of an element: a place so near its end is there
+BREAK_EARLIEST, BREAK_LATEST = 0.1, 0.9  # of a step that is too long: where a break is looked for
 
 
 @kernel
@@ -85,7 +87,7 @@ def element_of_cut(I, M, row):
 def let_go_step(M):
     """A step in which what is let go hardly moves [s]: when a line breaks is known to it."""
     state = scalars(M)
-    return LET_GO * math.sqrt(max(state.tolerance, 1e-12)) * state.period
+    return LET_GO * math.sqrt(max(state.tolerance, FINEST_TOLERANCE)) * state.period
 
 
 @kernel
@@ -121,7 +123,9 @@ def share_before_a_break(I, M):
         after = tension_there(M, head.trial_tension, node, x)
         if before < limit and after > limit * (1.0 + state.tolerance):
             aim = limit * (1.0 + 0.5 * state.tolerance)
-            share = min(share, max(0.1, min(0.9, (aim - before) / (after - before))))
+            share = min(
+                share, max(BREAK_EARLIEST, min(BREAK_LATEST, (aim - before) / (after - before)))
+            )
     return share
 
 

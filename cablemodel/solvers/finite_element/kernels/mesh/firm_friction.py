@@ -23,6 +23,9 @@ from cablemodel.solvers.shared.layout import (
     JOINT_NONE,
     NOTHING,
 )
+from cablemodel.solvers.shared.numbers import PROMISE
+
+CREEP_ALLOWED = 100.0  # in tau: tension of an anchored line that bristles for steps may move by
 
 
 @kernel
@@ -81,7 +84,7 @@ def lies_to(I, M, row):
 def short_bristle(M, largest, ea_mu_w):
     """Bristle with which tensions are wrong by as much as is promised [m]."""
     state = scalars(M)
-    promised = 10.0 * state.tolerance * largest
+    promised = PROMISE * state.tolerance * largest
     return max((math.e * promised) ** 2 / ea_mu_w, SHORTEST_BRISTLE * state.length)
 
 
@@ -95,7 +98,7 @@ def lengths_of_bristles(I, M, lengths):
         anchor, _outward, largest, ea_mu_w = lies_to(I, M, row)
         if anchor >= 0:
             short = short_bristle(M, largest, ea_mu_w)
-            creeps = 100.0 * scalars(M).tolerance * largest * largest / ea_mu_w
+            creeps = CREEP_ALLOWED * scalars(M).tolerance * largest * largest / ea_mu_w
             lengths[1] = min(lengths[1], short)
             lengths[2] = min(lengths[2], max(short, FIRM_BRISTLE * max(bristle, creeps)))
     return CHANGED if lengths[1] < bristle else NOTHING

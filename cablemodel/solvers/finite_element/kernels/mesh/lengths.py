@@ -28,8 +28,8 @@ from cablemodel.solvers.shared.layout import (
     LENGTH_WORDS,
     Constraint,
 )
+from cablemodel.solvers.shared.numbers import SHORTEST_LINE
 
-SHORTEST_LINE = 0.01  # of the initial length: what reel-in leaves out
 SHORTEST_PIECE = 0.01  # of an element: cable out before the joint below it leaves the drum
 # Of a body of finite length: cable that must be out before the body leaves the tow point.
 WINCH_FIRST_PIECE = 0.02

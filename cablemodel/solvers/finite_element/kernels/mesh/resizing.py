@@ -29,8 +29,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, outlined
 from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, JOINT_NONE, PIECE_WORDS
-
-SAME_PLACE = 1e-9  # arc lengths that differ by less, of one of them, are the same
+from cablemodel.solvers.shared.numbers import SAME_PLACE
 
 
 @inlined

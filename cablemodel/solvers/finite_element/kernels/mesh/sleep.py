@@ -62,6 +62,7 @@ from cablemodel.solvers.shared.layout import (
     W_SPEED,
     WHOLLY,
 )
+from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
 
 QUIET = 0.01  # of tau L in sqrt(L/g): cable that is slower is at rest
 LAYERS, ELEMENTS = 16.0, 4.0  # touchdown layers, or finest elements, that lie awake before A
@@ -73,6 +74,8 @@ SLEEP_CALM, ROUGH = 0.25, 0.5  # of the friction: what water may take of what fa
 FEWEST_AWAKE = 12  # elements
 LEAST_PART = 0.125  # of the nodes awake: fewer do not pay for a new matrix
 SLEEP_PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
+TURN_WEIGHT = SLOPE_WEIGHT * SLOPE_WEIGHT  # of h^2: what the square of a slope's rate counts
+WATER_SPARE = 0.1  # of the friction: most that waves may take of what may sleep at all
 
 
 @kernel
@@ -148,7 +151,7 @@ def is_quiet(I, M, node, arc):
         speed += M[v + i] ** 2
         turning += M[v + dimension + i] ** 2
         push += M[a + i] ** 2
-    return max(speed, 0.09 * h * h * turning, time * time * push) <= limit * limit
+    return max(speed, TURN_WEIGHT * h * h * turning, time * time * push) <= limit * limit
 
 
 @kernel
@@ -314,7 +317,7 @@ def water_leaves_alone(I, M, first):
             orbital = orbit[n] * (up + mirror[n] / up)
             speed += orbital
             rate += orbital * frequency[n]
-        if speed * speed > 0.1 * flow or rate > 0.1 * push:
+        if speed * speed > WATER_SPARE * flow or rate > WATER_SPARE * push:
             return False
     state.sleep_push = push
     if head.surge != 0:

@@ -61,7 +61,7 @@ from cablemodel.solvers.shared.layout import (
 )
 
 FEWEST_ELEMENTS = 4
-TOP_SPLIT, JOIN = 2.0, 0.5  # of the nominal length of the top element
+TOP_SPLIT, TOP_JOINED = 2.0, 0.5  # of the nominal length of the top element
 LARGEST_SHARE = 0.6  # of the line: a longer top element of few is halved, none becomes longer
 TOP_UNEVEN = 0.25  # of the next element: the top one of the fewest is joined with it below that
 SLIGHT = 0.15  # the same for one that bends with it
@@ -70,6 +70,7 @@ TOP_NEARLY = 1e-6  # how close to a mark the winch's way must end
 JOINT_OUT, JOINT_IN, SPLIT_TOP, JOIN_TOP = 1, 2, 3, 4
 BODY_OUT, CABLE_AFTER_BODY = 5, 6  # a body, and the cable after it, on the way out
 CABLE_IN, BODY_IN = 7, 8  # the cable before a body, and the body, on the way in
+MOST_CHANGES = 64  # of a top element between two steps
 
 
 @kernel
@@ -217,7 +218,7 @@ def may_unite_with_next(I, M, winch, nominal):
         return False
     length = winch.top_length
     other = edge_of(I, M, below)
-    if length >= JOIN * min(nominal, other.length):
+    if length >= TOP_JOINED * min(nominal, other.length):
         return False
     if bends_with_next(I, M, winch, below) and length > SLIGHT * other.length:
         return False
@@ -506,7 +507,7 @@ def adapt_tops(I, M):
 def adapt_top(I, M, n):
     """The same for one winch."""
     winch = winch_of(I, M, n)
-    for _pass in range(64):
+    for _pass in range(MOST_CHANGES):
         change = next_change(I, M, n)
         if change == 0:
             break

@@ -54,6 +54,7 @@ from cablemodel.solvers.shared.layout import (
     OK,
     MeshRows,
 )
+from cablemodel.solvers.shared.numbers import PROMISE
 
 TOUCHDOWN_AHEAD = 0.5  # growth of the wanted length per height above the floor
 TOUCHDOWN_TURN = 0.9  # largest angle that an element may turn at a touchdown
@@ -61,7 +62,7 @@ CURVATURE_JUMP = 0.2  # largest, times h, near the floor: what folds must be res
 STRAIN = 2e-5  # largest change of length when elements are joined
 TOUCHDOWN_BENT = 1.0  # of tau L: what h^2 times the jump of curvature may be near the floor
 TOUCHDOWN_STRAIGHT = 0.15  # of tau L: the same for two elements that are joined
-SOON = 2.0  # steps for which what comes down is split at once
+SPLIT_SOON = 2.0  # steps for which what comes down is split at once
 FRICTION_KEPT = 0.25  # of a bristle: what the one at the node of two that are joined may change by
 TOGETHER = 16  # elements are joined when that part of all may be
 SPLIT_ABOVE, JOIN_BELOW = 1.6, 0.8  # of the length wanted
@@ -72,6 +73,10 @@ ROW_GAPS, ROW_BEHIND, ROW_JUMPS = MeshRows.gaps.word, MeshRows.behind.word, Mesh
 ROW_WANTED, ROW_PROMISED = MeshRows.wanted.word, MeshRows.promised.word
 ROW_SPARE, ROW_WAYS = MeshRows.spare.word, MeshRows.ways.word
 PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
+SURELY_LONGER, SURELY_SHORTER = 1.001, 0.999  # of the cubes of lengths: what needs no cubic root
+NEAR_FINEST = 4.0  # of the finest elements that are wanted: gap that counts as near
+CUBIC_OFF = 0.02  # of the accuracy: where one cubic may go beside two
+CUBIC_TURN = 1e-4  # square of the angle by which it may turn there
 
 
 @kernel
@@ -208,7 +213,7 @@ def measure_promise(I, M, gaps, promised, spare):
     for node in range(1, head.nodes + 1):
         if node == head.nodes or begins_anew(I, node):
             for of_line in range(first, node):
-                promised[of_line] = 10.0 * state.tolerance * largest
+                promised[of_line] = PROMISE * state.tolerance * largest
                 spare[of_line] = promised[of_line] * give
             first = node
             give = 0.0
@@ -290,9 +295,9 @@ def length_by_tension(I, M, node, gap, layer, spare, longest):
     """
     radius = landing_radius(I, M, node, gap, layer)
     cube = 24.0 * spare * radius * radius
-    if spare == 0.0 or cube > 1.001 * (SPLIT_ABOVE * longest) ** 3:
+    if spare == 0.0 or cube > SURELY_LONGER * (SPLIT_ABOVE * longest) ** 3:
         return longest
-    if cube < 0.999 * (SPLIT_ABOVE * layer) ** 3:
+    if cube < SURELY_SHORTER * (SPLIT_ABOVE * layer) ** 3:
         return min(longest, layer)
     return min(longest, max(layer, cube ** (1.0 / 3.0) / SPLIT_ABOVE))
 
@@ -374,7 +379,7 @@ def wanted_length(I, M, node, layer, gaps, behind, jumps, spare):
     finest = max(shortest, finest)
     if gaps[node] >= depth:
         wanted = finest + TOUCHDOWN_AHEAD * (gaps[node] - depth)
-        near = gaps[node] < 4.0 * finest
+        near = gaps[node] < NEAR_FINEST * finest
     else:
         wanted = finest + 0.5 * max(0.0, behind[node] - 2.0 * finest)
         near = True
@@ -467,7 +472,7 @@ def one_cubic_does(I, M, node):
     for i in range(dimension):
         off += (place[i] - M[at + i]) ** 2
         turn += (slope[i] - M[at + dimension + i]) ** 2
-    if off > (0.02 * accuracy) ** 2 or turn > 1e-4:
+    if off > (CUBIC_OFF * accuracy) ** 2 or turn > CUBIC_TURN:
         return False
     both = arc_length(I, M, at - size, at, h1, 0.0, 1.0)
     both += arc_length(I, M, at, at + size, h - h1, 0.0, 1.0)
@@ -534,7 +539,7 @@ def lower(I, M, gaps):
     for node in range(1, head.nodes):
         if gaps[node] >= depth and gaps[node] < 1e299:
             sinking = -M[head.velocity + 2 * dimension * node + dimension - 1]
-            way = SOON * step * max(0.0, sinking)
+            way = SPLIT_SOON * step * max(0.0, sinking)
             gaps[node] = max(depth, gaps[node] - min(way, 0.5 * gaps[node]))
 
 

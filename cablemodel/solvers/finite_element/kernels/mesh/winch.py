@@ -5,6 +5,7 @@ from cablemodel.solvers.shared.access import cable_of, cut_of, header, scalars, 
 from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.inputs import commanded_rate
 from cablemodel.solvers.shared.layout import CUT_WITHIN
+from cablemodel.solvers.shared.numbers import RELATIVE_ROUNDING
 
 FASTEST_GROWTH = 20.0  # in a step, of the top element or of what is out of a body, by its length
 
@@ -70,16 +71,16 @@ def begin_rate(I, M, n, stop):
         sign = rate
         if rate * slope < 0.0:
             zero = time - rate / slope
-            if zero <= time + 1e-12 * (1.0 + abs(time)):
+            if zero <= time + RELATIVE_ROUNDING * (1.0 + abs(time)):
                 sign = slope  # it turns round now: what is left of the rate is round-off
             elif zero < stop:
                 stop = zero
     most = winch.travel_most - winch.travel
     least = winch.travel - winch.travel_least
     winch.at_limit = 0.0
-    if sign > 0.0 and most <= 1e-12 * (1.0 + abs(winch.travel_most)):
+    if sign > 0.0 and most <= RELATIVE_ROUNDING * (1.0 + abs(winch.travel_most)):
         winch.at_limit = 1.0
-    elif sign < 0.0 and least <= 1e-12 * (1.0 + abs(winch.travel_least)):
+    elif sign < 0.0 and least <= RELATIVE_ROUNDING * (1.0 + abs(winch.travel_least)):
         winch.at_limit = -1.0
     if winch.at_limit != 0.0:
         winch.rate = 0.0

@@ -63,6 +63,8 @@ from cablemodel.solvers.shared.layout import POINT_WORDS
 from cablemodel.solvers.shared.record import Record, reals
 from cablemodel.solvers.shared.strain import strain_and_slope
 
+HALF_OF_P2 = 0.1  # half of the mean of P2^2
+
 
 class CableInWater(Record):
     """Cable at a Gauss point of its element: block's coordinates, in a plane two of three."""
@@ -228,7 +230,7 @@ def cable_energy(I, M, node, found):
     _d0, _d1, lost = damping_in(I, M, node)
     found.damping_power += h * lost
     e2 = 5.0 * e2 - edge.third_rest / edge.stabilisation
-    found.axial += 0.1 * h * edge.stabilisation * e2 * e2
+    found.axial += HALF_OF_P2 * h * edge.stabilisation * e2 * e2
 
 
 @kernel

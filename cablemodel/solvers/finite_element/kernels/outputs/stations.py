@@ -22,6 +22,7 @@ from cablemodel.solvers.finite_element.kernels.outputs.summary import (
 from cablemodel.solvers.shared.access import body_at, edge_of, header, station_at, vector, winch_of
 from cablemodel.solvers.shared.compile import kernel
 from cablemodel.solvers.shared.layout import STATION_WORDS
+from cablemodel.solvers.shared.numbers import SAME_PLACE
 
 GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is most accurate
 # A parabola k'' s^2 / 2 exceeds its mean of Gauss points in an element's middle by -h^2 k'' / 24,
@@ -30,6 +31,7 @@ GAUSS = 0.5 - 0.5 / math.sqrt(3.0)  # where the second derivative of a cubic is 
 BOW = 1.0 / 12.0 + 0.5 * GAUSS * GAUSS
 IN_MIDDLE = 1.0 / 24.0 / BOW  # share of the bow in an element's middle
 AT_NODE = 0.5 * GAUSS * GAUSS / BOW  # the same at a node
+BESIDE_A_NODE = 1e-10  # of the line: a station so near before a node counts as behind it
 
 
 @kernel
@@ -207,10 +209,10 @@ def sample_stations(I, M, stations, out):
     above = overhang(I, M)
     paid = winch_of(I, M, 0).paid
     # A node belongs to what lies beyond it, however its arc length is rounded: tensions jump there.
-    slack = 1e-10 * total
+    slack = BESIDE_A_NODE * total
     for n in range(len(stations)):
         s = stations[n]
-        if not (s >= -1e-9 * total and s <= total * (1.0 + 1e-9)):
+        if not (s >= -SAME_PLACE * total and s <= total * (1.0 + SAME_PLACE)):
             return n
         low = 1
         high = nodes

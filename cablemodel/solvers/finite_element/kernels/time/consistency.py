@@ -60,6 +60,10 @@ SEEN = 0.1  # of the local error: what that acceleration would move the line by
 JERK = 1e-3  # of sqrt(L/g): over which a jerk is a difference of accelerations
 AXIAL_RESOLVED = 5.0  # (axial frequency x gamma dt)^2 below which velocities are not projected
 LEAST_PROJECTED = 0.25  # share of that, below which a step of order 4 would feed the line's ring
+MATRIX_SHORTER = 0.1  # of a step whose matrix has no sign under pressure: the next one tried
+BEFORE_A_BREAK = 1.1  # in JERK: so long before a break of a motion its jerk is that before it
+PLACES_PROJECTED = 3  # times that places are projected on to the constraint
+CHANGED_PROJECTED = 4  # the same after a change of the mesh
 
 
 @kernel
@@ -217,7 +221,7 @@ def meet_constraints(I, M, gamma_dt, changed, passes):
     if refactor_state(I, M, gamma_dt) != 0:
         return False
     before = constraint_size(I, M)
-    for iteration in range(4 if changed else 3):
+    for iteration in range(CHANGED_PROJECTED if changed else PLACES_PROJECTED):
         if iteration > 0:
             state_constraints(I, M)
         project_position(I, M)
@@ -274,7 +278,7 @@ def make_consistent(I, M, changed, scheme):
         copy_words(I, head.tension, tensions, words)
         copy_words(I, head.tension_rate, rates, words)
         state_residual(I, M)  # the next matrix takes the forces at arms from the last one
-        gamma_dt *= 0.1
+        gamma_dt *= MATRIX_SHORTER
     if head.floor_state == FLOOR_TOUCHED:
         # Friction does not feel what is no motion.
         for n in range(count):
@@ -405,7 +409,7 @@ def jerk_jump(I, M, row):
     time = scalars(M).time
     before = 0.0
     if time > 0.0:
-        before = jerk_along(I, M, row, time - 1.1 * JERK * scalars(M).period)
+        before = jerk_along(I, M, row, time - BEFORE_A_BREAK * JERK * scalars(M).period)
     return abs(jerk_along(I, M, row, time) - before)
 
 

@@ -20,6 +20,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import (
     NO_TENSION,
+    TENSION_SETTLED,
     increment_norm,
     refactor,
 )
@@ -45,13 +46,21 @@ from cablemodel.solvers.shared.layout import FLOOR_ABOVE, NOT_CONVERGED, OK
 
 LARGEST_ITERATIONS = 10
 MORE_ITERATIONS = 16  # the same while points of elements begin or cease to bend aside
-LANDED = -1  # status of a step without the floor's forces that comes to where they act
+AT_FLOOR_FORCES = -1  # status of a step without the floor's forces that comes to where they act
 LEAST_SHARE = 0.1  # of the local error allowed: what a step however short has
 STAGE_AT_ONCE = 0.02  # of the tolerance: what a first iteration may leave, by the last ratio
 STAGE_UNSEEN = 1e-4  # tau down to which what that leaves is not seen
 NO_NEARER = 0.9  # of the last increment: from there on what bends aside to and fro is halved
 BEST_RATIO = 0.003  # that is believed for the next stage
 UNSEEN_RATIO = 0.03  # the same where increments were so small that it says little
+SAME_STEP = 1e-6  # of gamma dt: a matrix that differs by less serves
+STAGE_LEFT = 0.1  # of the tolerance: what may be left of a stage
+OUTPUT_LEFT = 0.02  # of the tolerance: the same of a step that is read
+STAGE_PERIOD = 0.1  # of the period: gamma dt from which on as much may be left of a stage
+DIVERGED = 1e30  # increment from which none comes back [m]
+STAGE_EXACT = 0.01  # of the tolerance: an increment after which no more is looked at
+SLOW_BEFORE = 0.2  # ratio of increments that asks for a new matrix, with one of an earlier step
+SLOW_FRESH = 0.4  # the same with one of this step
 
 
 @in_pairs
@@ -101,24 +110,24 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
     inverse2 = inverse * inverse
     set_time(I, M, t)
     impose_motion(I, M, t, q, v, a)
-    if head.factored == 0 or abs(state.factored_step - gamma_dt) > 1e-6 * gamma_dt:
+    if head.factored == 0 or abs(state.factored_step - gamma_dt) > SAME_STEP * gamma_dt:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return NOT_CONVERGED, ratio
     previous = 0.0
     since = 0  # iterations with a factorisation made in this stage
     growing = 0
     head.bent_aside = 0
-    good = 0.02 if to_output else 0.1
+    good = OUTPUT_LEFT if to_output else STAGE_LEFT
     at_once = 0.0 if to_output or state.tolerance < STAGE_UNSEEN else STAGE_AT_ONCE
     # What is left of a stage leaves that over gamma dt in the velocity, which an undamped motion
     # keeps: it must be small against the tolerance over a period, however short the steps are.
-    tolerance *= min(1.0, gamma_dt / (0.1 * state.period))
+    tolerance *= min(1.0, gamma_dt / (STAGE_PERIOD * state.period))
     for iteration in range(MORE_ITERATIONS):
         residual(I, M, q, v, a, tension, forces, constraint)
         newton_increment(I, M, forces, constraint, x)
         head.iterations += 1
         size, where = increment_norm(I, M, x)
-        if not size < 1e30:
+        if not size < DIVERGED:
             I[head.failed] = where
             head.factored = 0
             return NOT_CONVERGED, ratio
@@ -132,8 +141,8 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
         settled = True
         if to_output:
             largest = max(NO_TENSION * state.tension_scale, largest_mean(tension, nodes))
-            settled = tension_change <= 1e-4 * largest
-        if settled and size <= 0.01 * tolerance and tension_change <= most_left:
+            settled = tension_change <= TENSION_SETTLED * largest
+        if settled and size <= STAGE_EXACT * tolerance and tension_change <= most_left:
             if ratio == 1.0 and since > 0:
                 ratio = max(size / previous, UNSEEN_RATIO)
             return OK, ratio
@@ -153,7 +162,7 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
             if growing == 2 and size > tolerance:
                 I[head.failed] = where
                 return NOT_CONVERGED, ratio
-            slow = shrunk > (0.2 if head.fresh == 0 else 0.4) and since > 0
+            slow = shrunk > (SLOW_BEFORE if head.fresh == 0 else SLOW_FRESH) and since > 0
             if slow or head.bent_aside != 0:
                 if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
                     return NOT_CONVERGED, ratio
@@ -245,7 +254,7 @@ def try_step(I, M, dt, scheme, to_output):
         if status != OK:
             return status, 0.0, PASSES_OVER
         if head.floor_state == FLOOR_ABOVE and lands(I, M):
-            return LANDED, 0.0, PASSES_OVER
+            return AT_FLOOR_FORCES, 0.0, PASSES_OVER
         if not last:
             place_v, place_a = stage_words(I, i, stages)
             copy_words(I, place_v, head.trial_velocity, count)

@@ -33,6 +33,7 @@ ROW_GIVEN, ROW_EVEN = GivenShapeRows.given.word, GivenShapeRows.even.word
 STRETCHED_ALIKE = 1e-13  # of the length: what may be left of an element's stretch
 EVENED_OUT = 12  # steps of Newton's method for that, at most
 SMALLEST_STRETCH = 1.0 / 64.0  # of the way to the stretch that is wanted, at once
+STRETCH_ROUNDS = 30  # for tensions that belong to a stretch
 
 
 @kernel
@@ -122,7 +123,7 @@ def stretch_to_tension(I, M):
     forces = M[head.residual : head.residual + count]
     constraint = M[head.constraint_residual : head.constraint_residual + 2 * nodes]
     set_time(I, M, state.time)
-    for _iteration in range(30):
+    for _iteration in range(STRETCH_ROUNDS):
         residual(I, M, q, v, a, tension, forces, constraint)
         jacobian(I, M, q, v, a, tension, 1.0, 1.0)
         for node in range(1, nodes):

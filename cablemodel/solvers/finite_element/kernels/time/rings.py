@@ -71,6 +71,7 @@ SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other erro
 SHARE_OF_WAVES = 0.6  # the same of waves: with a ring's all that a step may miss
 LEFT_SLACK = 0.1  # of the pressure to which limp cable gives way: tension left by Newton's method
 ROUNDED = 1e-13  # strain that rounding may change
+WINDOW_TURN = 4.0 * math.pi  # of a window: two turns [rad]
 
 
 @inlined
@@ -316,7 +317,7 @@ def measure_ring(row, found):
     the window before has found. What a jump makes is no more than a bound."""
     lasts = MOST_LASTING
     if row.ring_lasts > 0.0 and found < row.ring:
-        lasts = min(lasts, 4.0 * math.pi / math.log(row.ring / found))
+        lasts = min(lasts, WINDOW_TURN / math.log(row.ring / found))
     row.ring_lasts = lasts
     row.ring = min(row.ring, found)
 

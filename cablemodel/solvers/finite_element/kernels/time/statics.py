@@ -42,6 +42,7 @@ from cablemodel.solvers.shared.layout import (
     STATICS_FAILED,
     SearchRows,
 )
+from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.solvers.shared.record import Record, integer, real
 
 ROW_PLACES, ROW_TENSIONS = SearchRows.places.word, SearchRows.tensions.word
@@ -55,6 +56,17 @@ LOAD_HALVINGS = 8  # of a change of what the floor bears that is not followed, b
 STATICS_CALM = 1e-10  # of the length: what the last two steps may move
 STATICS_ROUND_OFF = 1e-8, 20  # of the length, where so many longest steps in a row move no more
 UNBALANCED = 1e-9  # of gravity: the same in a system, whose bodies may turn freely
+THROWN = 10.0  # of the line's length: an increment from which none comes back
+STATICS_EXACT = 1e-11  # of the line's length: an increment that is the last one
+STATICS_SETTLED = 1e-8  # the same where tensions change by as little of the largest
+PSEUDO_SHORTER = 0.25  # of a pseudo step that fails: the next one
+SMALLEST_PSEUDO_STEP = 1e-9  # of the first step: a shorter pseudo step is not tried
+LONG_PSEUDO_STEP = 1e3  # in first steps: pseudo steps that tell of rest
+BORNE_AGAIN = 1e-3  # of what the floor bears: what it may be pressed by beyond that
+PSEUDO_MOVED = 0.2  # of the line's length: motion in a pseudo step that lets the next be longer
+PSEUDO_EASY, PSEUDO_FAIR = 5, 8  # iterations of it, at most, with which it grows much, or little
+EASY_GROWTH, FAIR_GROWTH = 2.5, 1.3  # of the pseudo step, then
+STATICS_ATTEMPTS = 4  # with folds on the way and without, damped and not
 
 
 @kernel
@@ -78,7 +90,7 @@ def find_equilibrium(I, M, frame):
         head.floor_state = FLOOR_TOUCHED  # on its way it may be anywhere
     few = head.maximum_steps < LARGEST_STEPS and flow_of(I, M) != 0.0
     forget_limp(I, M)  # what a search passes through is not what bends aside
-    for attempt in range(1 if few else 4):
+    for attempt in range(1 if few else STATICS_ATTEMPTS):
         if attempt > 0:
             copy_words(I, head.position, first_places, count)
             copy_words(I, head.tension, first_tensions, words)
@@ -191,15 +203,15 @@ def solve_pseudo_step(I, M, frame, at):
         newton_increment(I, M, forces, constraint, x)
         change, where = increment_norm(I, M, x)
         I[head.failed] = where
-        if not change < 10.0 * length:
+        if not change < THROWN * length:
             return False
         for n in range(count):
             q[n] += x[n]
         tension_change = recover_tension(I, M, constraint, x, tension, True)
         follow_forces(I, M)
-        largest = max(1e-30, largest_mean(tension, head.nodes))
-        if change <= 1e-11 * length or (
-            change <= 1e-8 * length and tension_change <= 1e-8 * largest
+        largest = max(NO_SIZE, largest_mean(tension, head.nodes))
+        if change <= STATICS_EXACT * length or (
+            change <= STATICS_SETTLED * length and tension_change <= STATICS_SETTLED * largest
         ):
             return True
     return False
@@ -214,8 +226,8 @@ def shorten_pseudo_step(I, M, at):
         share_loads(I, M, view(M, spare_row(I, ROW_BORE), head.nodes))
         at.halvings += 1
         return True
-    at.dt *= 0.25
-    return not at.dt < 1e-9 * scalars(M).first_step
+    at.dt *= PSEUDO_SHORTER
+    return not at.dt < SMALLEST_PSEUDO_STEP * scalars(M).first_step
 
 
 @kernel
@@ -239,7 +251,7 @@ def take_pseudo_step(I, M, at, damped):
     copy_words(I, head.tension, head.trial_tension, 2 * head.nodes)
     if head.parts != 0:
         count_turns_anew(I, M, q0, w0, a0)
-    if at.springs != 0 and at.dt > 1e3 * scalars(M).first_step:
+    if at.springs != 0 and at.dt > LONG_PSEUDO_STEP * scalars(M).first_step:
         if head.payout != 0:
             settle_layer(I, M, q0)
         update_springs(I, M, 1.0)
@@ -256,7 +268,7 @@ def is_calm(I, M, at, moved):
         # What nothing holds from turning turns by what Newton's method leaves.
         rounded = rounded or moved <= UNBALANCED * state.gravity * at.dt * at.dt
     at.still = at.still + 1 if rounded and at.dt == at.longest else 0
-    long = at.dt > 1e3 * state.first_step
+    long = at.dt > LONG_PSEUDO_STEP * state.first_step
     return at.still >= STATICS_ROUND_OFF[1] or (moved <= STATICS_CALM * state.length and long)
 
 
@@ -265,7 +277,7 @@ def bear_load(I, M, at):
     """Let the floor bear what it is pressed by: the line is calm only when that is no more."""
     head = header(I)
     more = bear(I, M, 0.0)
-    if not abs(more) > 1e-3:
+    if not abs(more) > BORNE_AGAIN:
         return
     # Whole steps may move the cable to and fro.
     if more * at.pressed < 0.0 and abs(more) > 0.5 * abs(at.pressed):
@@ -334,8 +346,10 @@ def relax(I, M, frame, damped, strict):
                 break
         else:
             at.calm = 0
-        if moved < 0.2 * state.length and at.used <= 8:
-            at.dt = min(at.dt * (2.5 if at.used <= 5 else 1.3), at.longest)
+        if moved < PSEUDO_MOVED * state.length and at.used <= PSEUDO_FAIR:
+            at.dt = min(
+                at.dt * (EASY_GROWTH if at.used <= PSEUDO_EASY else FAIR_GROWTH), at.longest
+            )
         elif moved > 0.5 * state.length:
             at.dt *= 0.5
     state.floor_damping, state.landing_damping = damping, landing

@@ -20,13 +20,20 @@ AT_FLOOR = 22  # the same for order 4 near a floor
 STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_PAYS = 1e-4  # tau down to which they do
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
-FAILED = 0.5  # of a step in which Newton's method failed at a floor: the next one
+FAILED_AT_FLOOR = 0.5  # of a step in which Newton's method failed at a floor: the next one
 STEPS_TO_RING_OUT = 10  # that stay as long as they are then: what a failure leaves dies away
 EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
 HARD = 4.5  # iterations above which it stays; only a failure makes it shorter
 STEP_LARGEST_GROWTH = 16.0  # of the step: the first is much shorter than any motion
+ERROR_SAFETY = 0.9  # of the step that its error would allow: the next one
+REFUSED = 0.9  # of a step that is refused: the next one at most
+FAILED_ELSEWHERE = 0.4  # the same where Newton's method failed, off the floor
+LARGEST_CUT = 0.3  # of a step: the next one at least, whatever its error
+NO_ERROR = 1e-12  # of what is allowed: an error that says nothing of the next step
+KEPT_FROM, KEPT_TO = 0.95, 1.3  # changes of the step that are not made: the matrix stays as it is
+NEAR_LIMIT = 0.8  # of the longest tractable step: one that tells of that limit
 
 
 @kernel
@@ -82,7 +89,7 @@ def next_stop(I, M, t_end, dt):
 @inlined
 def by_error(scheme, error):
     """The next step over the present one, by the local error of its scheme's order."""
-    return 0.9 * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
+    return ERROR_SAFETY * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
 
 
 @inlined
@@ -101,16 +108,16 @@ def shorten(I, M, dt, scheme, status, error):
     head.rejected += 1
     head.growth_barred = max(head.growth_barred, 1)
     if status != OK:
-        factor = 0.4
+        factor = FAILED_ELSEWHERE
         if head.floor_state == FLOOR_TOUCHED:
-            factor = FAILED
-            state.tractable = FAILED * dt
-            if friction_swings(M, FAILED * dt):
+            factor = FAILED_AT_FLOOR
+            state.tractable = FAILED_AT_FLOOR * dt
+            if friction_swings(M, FAILED_AT_FLOOR * dt):
                 head.growth_barred = STEPS_TO_RING_OUT
     else:
-        factor = max(0.3, by_error(scheme, error))
-        if not factor < 0.9:
-            factor = 0.3 if error != error else 0.9
+        factor = max(LARGEST_CUT, by_error(scheme, error))
+        if not factor < REFUSED:
+            factor = LARGEST_CUT if error != error else REFUSED
     state.step = factor * dt
     return not state.step < state.smallest_step
 
@@ -121,12 +128,12 @@ def adapt_step(I, M, dt, scheme, error):
     head = header(I)
     state = scalars(M)
     factor = STEP_LARGEST_GROWTH
-    if error > 1e-12:
-        factor = min(STEP_LARGEST_GROWTH, max(0.3, by_error(scheme, error)))
+    if error > NO_ERROR:
+        factor = min(STEP_LARGEST_GROWTH, max(LARGEST_CUT, by_error(scheme, error)))
     if head.growth_barred > 0:
         factor = min(factor, 1.0)
         head.growth_barred -= 1
-    if 0.95 <= factor and factor <= 1.3:
+    if KEPT_FROM <= factor and factor <= KEPT_TO:
         factor = 1.0
     if factor >= 1.0:
         state.step = max(state.step, factor * dt)
@@ -186,6 +193,6 @@ def follow_iterations(I, M, dt, iterations):
         return
     if iterations <= EASY[0]:
         # Of longer steps one that the caller limits tells little.
-        state.tractable = limit * (EASY[1] if dt > 0.8 * limit else FAIR[1])
-    elif iterations <= HARD and dt > 0.8 * limit:
+        state.tractable = limit * (EASY[1] if dt > NEAR_LIMIT * limit else FAIR[1])
+    elif iterations <= HARD and dt > NEAR_LIMIT * limit:
         state.tractable = limit * (FAIR[1] if iterations <= FAIR[0] else PROBED)

@@ -22,6 +22,9 @@ from cablemodel.solvers.shared.layout import (
     NOT_FINITE,
     OK,
 )
+from cablemodel.solvers.shared.numbers import OUT_OF_PLANE
+
+STANDING = 1e-12  # of length, speed and acceleration across: of cable that hangs and is still
 
 
 @kernel
@@ -29,7 +32,7 @@ def out_of_plane(I, M, x, y):
     """Whether a horizontal vector leaves the plane of a planar model."""
     state = scalars(M)
     across = state.plane[0] * y - state.plane[1] * x
-    return abs(across) > 1e-12 * (abs(x) + abs(y))
+    return abs(across) > OUT_OF_PLANE * (abs(x) + abs(y))
 
 
 @kernel
@@ -48,7 +51,7 @@ def turn_or_leave_plane(I, M, x, y):
                 abs(M[head.velocity + at]),
                 abs(M[head.acceleration + at]),
             )
-    if largest <= 1e-12 and head.current_kind == 0 and head.wave_count == 0:
+    if largest <= STANDING and head.current_kind == 0 and head.wave_count == 0:
         size = math.hypot(x, y)
         state.plane[0] = x / size
         state.plane[1] = y / size

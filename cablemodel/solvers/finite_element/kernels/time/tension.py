@@ -55,13 +55,14 @@ from cablemodel.solvers.shared.access import (
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_rate, surge_jump
 from cablemodel.solvers.shared.layout import FilterRows, SoftnessRows, SolvedRows
+from cablemodel.solvers.shared.numbers import PROMISE
 
 ROW_LEFT, ROW_MOTION = FilterRows.left.word, FilterRows.accelerations.word
 SOLVED_Q, SOLVED_V = SolvedRows.places.word, SolvedRows.velocities.word
 SOLVED_A, SOLVED_T = SolvedRows.accelerations.word, SolvedRows.tensions.word
 SOLVED_RATE, CURVED = SolvedRows.rates.word, SolvedRows.curved.word
 STRAINED, SOFTNESS = SolvedRows.strained.word, SoftnessRows.softness.word
-PROMISED = 0.5  # of the error of tension that is promised
+STEP_PROMISE = 0.5  # of the error of tension that is promised
 TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
 LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
@@ -81,12 +82,14 @@ TENSION_RIGID = 1e-3  # compliance of the line over what inertia gives way by in
 # What a step does along the line; in a system, where it is refused: that no other one than its
 # tensions' error is too large.
 PASSES_OVER, FOLLOWS, SOLVED, MISSES = 0, 1, 2, 3
+SHARE_RESOLVED = 1e-6  # of an embedded error: what lasts of it at least
+BEND_OF_CHANGE = 0.25  # of what a tension changes by in a step: what it bends by at least
 
 
 @kernel
 def tension_tolerance(M):
     """Error of a step's top tension that is allowed [N]."""
-    return PROMISED * promised_tension(M)
+    return STEP_PROMISE * promised_tension(M)
 
 
 @inlined
@@ -111,7 +114,7 @@ def allowed_at(I, M, node):
     if header(I).parts == 0:
         return tension_tolerance(M)
     cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-    return PROMISED * 10.0 * scalars(M).tolerance * cable.tension
+    return STEP_PROMISE * PROMISE * scalars(M).tolerance * cable.tension
 
 
 @kernel
@@ -218,7 +221,7 @@ def share_of_ring(M, dt, scheme, share):
     of a ring add up for 2 / LOSS_FACTOR radians, and are larger than the embedded one by
     `UNDERRATED` times the angle. What its material ends before a line has moved is left to steps.
     """
-    angle = math.sqrt(max(0.0, 1.0 / max(share, 1e-6) - 1.0)) / GAMMA[scheme]
+    angle = math.sqrt(max(0.0, 1.0 / max(share, SHARE_RESOLVED) - 1.0)) / GAMMA[scheme]
     if 0.5 * LOSS_FACTOR * angle * scalars(M).period > dt:
         return TENSION_SHARE
     angle = max(angle, TENSION_FINEST)
@@ -569,7 +572,7 @@ def bend_of_tension(I, M, dt):
     that differs by: a bound of its second derivative times the square of dt [tolerances]."""
     change = trial_tension_of(I, M, 1).mean - tension_of(I, M, 1).mean
     before = dt * tension_rate_of(I, M, 1).mean
-    largest = max(0.25 * max(abs(change), abs(before)), 2.0 * abs(change - before))
+    largest = max(BEND_OF_CHANGE * max(abs(change), abs(before)), 2.0 * abs(change - before))
     return largest / tension_tolerance(M)
 
 

@@ -53,7 +53,11 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
     project_velocity,
     take_rates_from_velocity,
 )
-from cablemodel.solvers.finite_element.kernels.time.esdirk import LANDED, accept_trial, try_step
+from cablemodel.solvers.finite_element.kernels.time.esdirk import (
+    AT_FLOOR_FORCES,
+    accept_trial,
+    try_step,
+)
 from cablemodel.solvers.finite_element.kernels.time.promote import promote
 from cablemodel.solvers.finite_element.kernels.time.rings import (
     begin_rings,
@@ -63,6 +67,7 @@ from cablemodel.solvers.finite_element.kernels.time.rings import (
 )
 from cablemodel.solvers.finite_element.kernels.time.slack import follow_slack
 from cablemodel.solvers.finite_element.kernels.time.step_size import (
+    REFUSED,
     adapt_step,
     choose_order,
     follow_iterations,
@@ -123,9 +128,13 @@ BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times
 
 MADE = 0  # what happened in an attempt: the trial is the next state
 TOO_LONG = 1  # its error is too large, Newton's method failed, or something grows unseen
-TOUCHES = 2  # the line comes to the floor, whose forces were left out
+REACHES_FLOOR = 2  # the line comes to the floor, whose forces were left out
 STIRS = 3  # what was left out, asleep, feels it
 BREAKS = 4  # a link breaks within it
+AFTER_A_JUMP = 10.0  # of the smallest step: the least one over which a velocity jumps
+TAKES_ALL = 0.999  # of what is left to a stop: a step so long goes there
+LIMITED = 0.25  # of what the line allows: steps that the caller makes shorter need no high order
+MUCH_SHORTER = 0.2  # of the last step: one that feels what that has smeared
 
 
 class Plan(Record):
@@ -308,7 +317,7 @@ def plan_step(I, M, plan):
         begin_rings(I, M, natural)
         plan.after_a_stop = 0
     if jump * natural > state.time_tolerance:
-        natural = max(state.time_tolerance / jump, 10.0 * state.smallest_step)
+        natural = max(state.time_tolerance / jump, AFTER_A_JUMP * state.smallest_step)
         state.step = natural
         plan.last_jump = state.time
     remaining = stop - state.time
@@ -317,7 +326,7 @@ def plan_step(I, M, plan):
     highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
     dt = longest_ring_step(I, M, natural, highest)
     plan.lands = 0
-    if dt >= remaining * 0.999:
+    if dt >= remaining * TAKES_ALL:
         dt = remaining
         plan.lands = 1
     elif dt > 0.5 * remaining:
@@ -328,7 +337,7 @@ def plan_step(I, M, plan):
     if head.rings + head.axial_waves != 0:
         high = dt == natural or not may_miss_rings(I, M, dt, 0)
     else:
-        high = dt > 0.25 * natural or head.settled != 0
+        high = dt > LIMITED * natural or head.settled != 0
     plan.scheme = highest if high else 0
     plan.to_output = 1 if plan.lands != 0 and stop == plan.end else 0
     plan.stop = stop
@@ -343,7 +352,7 @@ def make_ready(I, M, plan):
     state = scalars(M)
     dt = plan.dt
     follow_limp(I, M)
-    if dt < 0.2 * state.last_step:
+    if dt < MUCH_SHORTER * state.last_step:
         # Velocities do not meet what a jump of one asks for: they run into it, and make its wave.
         if state.time != plan.last_jump:
             make_consistent(I, M, False, plan.unprojected)
@@ -372,7 +381,7 @@ def attempt(I, M, plan):
     plan.two_steps = 0
     if (
         plan.to_output != 0
-        and dt <= 0.25 * plan.natural
+        and dt <= LIMITED * plan.natural
         and may_miss_rings(I, M, dt, -1)
         and try_two_step(I, M, dt)
     ):
@@ -391,12 +400,12 @@ def attempt(I, M, plan):
             # Where the mesh follows folds; a whip on a coarse one may end so for a while.
             plan.folded += 1
             plan.status = NOT_CONVERGED
-    if plan.status == LANDED:
-        return TOUCHES
+    if plan.status == AT_FLOOR_FORCES:
+        return REACHES_FLOOR
     if plan.status != OK or not plan.error <= 1.0:
         return TOO_LONG
     if head.floor_kind != FLOOR_NONE and head.floor_state != FLOOR_TOUCHED and lands(I, M):
-        return TOUCHES
+        return REACHES_FLOOR
     if head.left_out != 0:
         plan.stirred = disturbance(I, M)
         if plan.stirred != 0:
@@ -423,7 +432,7 @@ def try_again(I, M, plan, happened):
             return NOT_CONVERGED
         if plan.along == MISSES and plan.status == OK:
             # A shorter one than where tensions are not looked at is none the better for them.
-            least = min(0.9 * plan.dt, LONGEST * longest_unwatched(M))
+            least = min(REFUSED * plan.dt, LONGEST * longest_unwatched(M))
             state.step = max(state.step, least)
         return OK
     head.rejected += 1

@@ -17,6 +17,7 @@ from cablemodel.solvers.finite_element.kernels.element.strain import largest_mea
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import (
     NO_TENSION,
+    TENSION_SETTLED,
     increment_norm,
     refactor,
 )
@@ -44,6 +45,12 @@ SHORTEST_WAIT, LONGEST_WAIT = 4, 64  # steps by the one-step scheme after a refu
 CHECK = 16  # steps between measurements of the convergence ratio
 BDF_MOST_ITERATIONS = 4
 STALE = 0.25  # convergence ratio that asks for a new factorisation
+BREAK_SEEN = 0.1  # of a step's tolerance: a jump times dt^2 at which it is not begun
+BDF_LARGEST_CUT = 2.5  # of the last step, over this one
+MATRIX_FROM, MATRIX_TO = 0.87, 1.15  # of gamma dt: steps that a matrix serves
+BDF_LEFT = 0.1  # of the tolerance: what may be left of a step
+BDF_ROUNDED = 1e-3  # of that: increments whose ratio is rounding
+ROUNDED_RATIO, LEAST_RATIO = 0.05, 0.01  # what is then taken for it at most, and always at least
 
 
 @in_pairs
@@ -72,7 +79,7 @@ def starts_at_a_breakpoint(I, M, dt):
     head = header(I)
     state = scalars(M)
     surge, _most = surge_jump(I, M, state.time)
-    if surge * dt * dt > 0.1 * state.time_tolerance:
+    if surge * dt * dt > BREAK_SEEN * state.time_tolerance:
         return True
     if head.live != 0:
         return False
@@ -83,7 +90,10 @@ def starts_at_a_breakpoint(I, M, dt):
     if row.end > state.time:
         return False
     row = motion_piece_of(I, M, k + 1)
-    return row.velocity_jump > 0.0 or row.acceleration_jump * dt * dt > 0.1 * state.time_tolerance
+    return (
+        row.velocity_jump > 0.0
+        or row.acceleration_jump * dt * dt > BREAK_SEEN * state.time_tolerance
+    )
 
 
 @inlined
@@ -115,7 +125,7 @@ def try_two_step(I, M, dt):
     head = header(I)
     state = scalars(M)
     last = state.last_step
-    if head.has_history == 0 or dt > BDF_LARGEST_GROWTH * last or last > 2.5 * dt:
+    if head.has_history == 0 or dt > BDF_LARGEST_GROWTH * last or last > BDF_LARGEST_CUT * dt:
         return False
     if head.two_step_wait > 0:
         head.two_step_wait -= 1
@@ -152,7 +162,7 @@ def try_two_step(I, M, dt):
     impose_motion(I, M, state.time + dt, q, v, a)
     head.fresh = 0
     change = state.factored_step / gamma_dt
-    if head.factored == 0 or change < 0.87 or change > 1.15:
+    if head.factored == 0 or change < MATRIX_FROM or change > MATRIX_TO:
         if refactor(I, M, q, v, a, tension, gamma_dt) != 0:
             return False
         head.two_step_check = 0
@@ -160,7 +170,7 @@ def try_two_step(I, M, dt):
     # it must move it by less than the tolerance.
     tolerance = state.time_tolerance
     share = min(1.0, dt / state.period)
-    enough = 0.1 * tolerance * share * share
+    enough = BDF_LEFT * tolerance * share * share
     measure = head.two_step_check <= 0
     previous = 0.0
     moved = 0.0
@@ -180,9 +190,9 @@ def try_two_step(I, M, dt):
         largest = largest_mean(tension, nodes)
         if iteration > 0:
             ratio = size / previous if previous > 0.0 else 0.0
-            if size < 1e-3 * enough:
-                ratio = min(ratio, 0.05)  # rounding
-            state.two_step_ratio = max(ratio, 0.01)
+            if size < BDF_ROUNDED * enough:
+                ratio = min(ratio, ROUNDED_RATIO)
+            state.two_step_ratio = max(ratio, LEAST_RATIO)
             head.two_step_rest = head.two_step_rest // 2
             head.two_step_check = CHECK
             measure = False
@@ -191,7 +201,8 @@ def try_two_step(I, M, dt):
             not measure
             and ratio < 0.5
             and ratio * size <= enough
-            and ratio * tension_change <= 1e-4 * max(largest, NO_TENSION * state.tension_scale)
+            and ratio * tension_change
+            <= TENSION_SETTLED * max(largest, NO_TENSION * state.tension_scale)
         ):
             head.two_step_check -= 1
             state.largest_tension = max(state.largest_tension, largest)

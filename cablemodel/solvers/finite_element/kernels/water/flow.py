@@ -56,6 +56,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import kernel, own_numbers, own_record, view
 from cablemodel.solvers.shared.environment import current_at
+from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.solvers.shared.record import Record, reals
 
 
@@ -169,7 +170,7 @@ def drag_at(edge, stretch, dimension, point):
     for i in range(dimension):
         speed += (flow[i] - along * tangent[i]) ** 2
     speed = math.sqrt(speed)
-    inverse = 1.0 / max(speed, 1e-30)
+    inverse = 1.0 / max(speed, NO_SIZE)
     for i in range(dimension):
         across = flow[i] - along * tangent[i]
         point.force[i] = cn * speed * across + ct * abs(along) * along * tangent[i]

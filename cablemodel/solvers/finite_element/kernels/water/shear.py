@@ -7,6 +7,7 @@ from cablemodel.solvers.shared.access import header, vector
 from cablemodel.solvers.shared.compile import outlined
 from cablemodel.solvers.shared.environment import shear_at
 from cablemodel.solvers.shared.layout import POINT_WORDS
+from cablemodel.solvers.shared.numbers import NO_SIZE
 
 
 @outlined
@@ -39,7 +40,7 @@ def add_shear(I, M, points, edge, rows, words, x0, x1, v0, v1):
         root = h * math.sqrt(points.stretch[g])
         normal = root * edge.drag_normal * math.sqrt(square)
         by_tangent = (2.0 * root * edge.drag_tangential * abs(along) - normal) * change
-        by_normal = root * edge.drag_normal * change_across / max(math.sqrt(square), 1e-30)
+        by_normal = root * edge.drag_normal * change_across / max(math.sqrt(square), NO_SIZE)
         for i in range(dimension):
             dragged = normal * shear[i] + by_normal * across[i]
             dragged += by_tangent * points.tangent[POINT_WORDS * i + g]
