@@ -213,12 +213,12 @@ def moved_off(kind, friction, more=0.0):
 
 @pytest.mark.parametrize("friction", [0.3, 1.0])
 def test_rounding_works_no_friction_loose(friction):
-    """A step that failed left cable that swung on its bristles, so the next ones failed: what was
-    left of friction hung on the last digits, by 2 promises."""
+    """What Newton's method left in tensions moved cable by a bristle: what was left of friction
+    hung on the last digits, by 10 promises."""
     model, _ = moved_off("light", friction)
     s = np.linspace(0.0, model.line_length, 201)
     expected = model.sample(s).tension
-    for more in (1e-12, -1e-12, 1e-10):
+    for more in (1e-12, -1e-12, 1e-10, -1e-8, 1e-6, 1e-5, -1e-4):
         found = moved_off("light", friction, more)[0].sample(s).tension
         assert found == pytest.approx(expected, abs=0.3 * 10.0 * 1e-3 * expected.max())
 
@@ -589,7 +589,8 @@ def test_a_taut_line_from_the_floor_to_an_anchor_as_high_or_higher(above):
     stretched = (np.hypot(50.1, above) / 50.0 - 1.0) * CABLE_K["axial_stiffness"]
     assert model.top_tension == pytest.approx(stretched, rel=1e-2)
     model.step(1.0)
-    assert model.statistics["rejected"] <= 1  # friction lets go of what leaves the floor
+    # Friction lets go of what leaves the floor, and the line rings by .7 promises.
+    assert model.statistics["steps"] + model.statistics["rejected"] <= 12
     assert model.top_tension == pytest.approx(stretched, rel=1e-2)
 
 

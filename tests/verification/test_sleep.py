@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 import cablemodel as cm
 
+SCENES = Path(__file__).parents[2] / "scenes"
+KNOT = 1852.0 / 3600.0
 CABLE = {
     "diameter": 0.02,
     "mass": 0.8,
@@ -211,3 +214,17 @@ def test_slack_that_is_laid_straight_ahead_falls_over_and_sleeps() -> None:
     assert model.line_length == pytest.approx(470.0 + 60.0 * 1.15 * speed)
     assert statistics["elements"] > 190
     assert statistics["elements"] - statistics["asleep"] < 100
+
+
+def test_folds_on_a_soft_floor_come_to_rest_and_sleep() -> None:
+    """In 4,000 m the contact layer is a metre deep: half a per cent of slack folds within it. The
+    floor, which bears for long what presses it, pushed troughs up and crests down behind their
+    motion: folds wandered for ever, by 12 mm/s."""
+    scene = cm.load_scene(SCENES / "cable_lay_5_knots.yaml").to_dict()
+    rate = [(0, 1.0), (140, 1.0), (154, 1.005)]
+    scene["payout"]["rate"] = [{"t": t, "rate": factor * 5 * KNOT} for t, factor in rate]
+    model = cm.CableModel(scene)
+    model.step(550.0)
+    laid = np.linspace(model.line_length - 400.0, model.line_length, 101)
+    assert model.statistics["asleep"] > 0.5 * model.statistics["elements"]
+    assert np.abs(model.sample(laid).velocity).max() < 1e-6

@@ -123,9 +123,9 @@ NOT_TAUT = [row for row in LAYS if row[-1] >= 0.0]
 
 
 def closer(scene: cm.Scene) -> cm.CableModel:
-    """The line alone at a quarter of the tolerance."""
+    """The line alone at a sixteenth of the tolerance."""
     data = scene.to_dict()
-    data["solver"]["tolerance"] = 0.25 * TAU
+    data["solver"]["tolerance"] = TAU / 16.0
     return cm.CableModel(data)
 
 

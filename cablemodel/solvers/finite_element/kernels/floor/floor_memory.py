@@ -24,6 +24,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import (
 from cablemodel.solvers.shared.access import body_of, edge_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import inlined, kernel
 
+PRESSED = 3.0  # times what is borne at rest by which a run leaves it pressed: folds would wander
 SUPPORT_FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 
@@ -140,18 +141,21 @@ def settle(I, M):
 
 
 @inlined
-def load_aimed_at(support_load, law):
+def load_aimed_at(support_load, law, harder):
     """What is to be borne for long, where the law of contact gives `law` times that now."""
-    return max(1.0, support_load * min(law, SUPPORT_FASTEST))
+    if law > harder:
+        return support_load * min(law / harder, SUPPORT_FASTEST)
+    return max(1.0, support_load * min(law, 1.0))
 
 
 @kernel
-def bear(I, M, share):
+def bear(I, M, share, harder):
     """Let what the floor's springs bear at rest follow the load, by a share of the difference.
 
     Cable and bodies that press harder than by their weight for long, on the top of a hump, lie on
-    the floor as others do; what strikes it finds it as soft as it is. Returns the largest
-    difference, relative to what was borne, with its sign.
+    the floor as others do, or where they press it by so many times what it bears; what strikes it
+    finds it as soft as it is. Returns the largest difference, relative to what was borne, with its
+    sign.
     """
     head = header(I)
     state = scalars(M)
@@ -175,7 +179,7 @@ def bear(I, M, share):
                 gap = gap_at(I, M, contact.place, contact.normal)
                 law, _stiffness, _energy = contact_law(gap, depth)
                 pressed = max(pressed, law)
-        difference = load_aimed_at(support_load, pressed) - support_load
+        difference = load_aimed_at(support_load, pressed, harder) - support_load
         edge.support = support_load + share * difference
         if abs(difference) > abs(largest) * support_load:
             largest = difference / support_load
@@ -188,7 +192,7 @@ def bear(I, M, share):
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count
         support_load = state.end_support if at_end else row.support[place % 2]
-        difference = load_aimed_at(support_load, law) - support_load
+        difference = load_aimed_at(support_load, law, harder) - support_load
         if abs(difference) > abs(largest) * support_load:
             largest = difference / support_load
         if at_end:

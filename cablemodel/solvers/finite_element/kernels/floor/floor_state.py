@@ -8,7 +8,7 @@ from cablemodel.solvers.finite_element.kernels.floor.feet import feet_are_near, 
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import settle
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at, lowest_gap
 from cablemodel.solvers.shared.access import edge_of, header, scalars, vector
-from cablemodel.solvers.shared.compile import kernel, view
+from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     FLOOR_ABOVE,
     FLOOR_FAR,
@@ -95,3 +95,11 @@ def lands(I, M):
     head.floor_state = FLOOR_TOUCHED
     settle(I, M)
     return True
+
+
+@inlined
+def rubs(I, M):
+    """Whether something lies on a floor with friction."""
+    head = header(I)
+    has_friction = scalars(M).friction > 0.0 or head.foot_count != 0
+    return head.floor_state == FLOOR_TOUCHED and has_friction

@@ -32,7 +32,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     residual,
     set_time,
 )
-from cablemodel.solvers.finite_element.kernels.time.rings import left_of_rings
+from cablemodel.solvers.finite_element.kernels.time.rings import left_in_tensions
 from cablemodel.solvers.finite_element.kernels.time.tension import (
     PASSES_OVER,
     keep_stage_tensions,
@@ -227,7 +227,7 @@ def try_step(I, M, dt, scheme, to_output):
     trial_v = view(M, head.trial_velocity, count)
     trial_a = view(M, head.trial_acceleration, count)
     head.fresh = 0
-    most_left = left_of_rings(I, M, dt)
+    most_left = left_in_tensions(I, M, dt)
     ratio = 1.0
     for n in range(count):
         trial_a[n] = a[n]

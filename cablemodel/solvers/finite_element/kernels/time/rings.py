@@ -21,6 +21,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     STAGES,
     WINDOW,
 )
+from cablemodel.solvers.finite_element.kernels.floor.floor_state import rubs
 from cablemodel.solvers.finite_element.kernels.time.consistency import (
     jerk_jump,
     jump_along,
@@ -34,6 +35,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     allowed_at,
     dies_away,
     gives_way,
+    least_tolerance,
     may_be_solved_for,
     solve_for_tension,
 )
@@ -70,6 +72,7 @@ ROW_BEYOND, ROW_CLOSED = AlongRows.beyond.word, AlongRows.closed.word
 SHARE_OF_RINGS = 0.4  # of the error of tension that a step may have: other errors add to it
 SHARE_OF_WAVES = 0.6  # the same of waves: with a ring's all that a step may miss
 LEFT_SLACK = 0.1  # of the pressure to which limp cable gives way: tension left by Newton's method
+LEFT_TO_FRICTION = 0.1  # of the error of tension that a step may have: left by Newton's method
 ROUNDED = 1e-13  # strain that rounding may change
 WINDOW_TURN = 4.0 * math.pi  # of a window: two turns [rad]
 
@@ -381,12 +384,15 @@ def missed_of_ring(amplitude, lasts, scheme, angle):
 
 
 @kernel
-def left_of_rings(I, M, dt):
-    """What Newton's method may leave in tensions in a step of dt, which rings keep [N]."""
+def left_in_tensions(I, M, dt):
+    """What Newton's method may leave in tensions in a step of dt [N]: elsewhere the next step
+    forgets it, but rings keep it, and friction, from whose bristles it works cable loose."""
     head = header(I)
     least = math.inf
     if scalars(M).yields > 0.0:
         least = LEFT_SLACK * scalars(M).yields
+    if rubs(I, M):
+        least = min(least, LEFT_TO_FRICTION * least_tolerance(I, M))
     if head.rings + head.axial_waves == 0:
         return least
     for n in range(head.constraint_count):

@@ -276,7 +276,7 @@ def is_calm(I, M, at, moved):
 def bear_load(I, M, at):
     """Let the floor bear what it is pressed by: the line is calm only when that is no more."""
     head = header(I)
-    more = bear(I, M, 0.0)
+    more = bear(I, M, 0.0, 1.0)
     if not abs(more) > BORNE_AGAIN:
         return
     # Whole steps may move the cable to and fro.
@@ -286,7 +286,7 @@ def bear_load(I, M, at):
     bore = spare_row(I, ROW_BORE)  # what it did, before
     for node in range(head.nodes):
         M[bore + node] = edge_of(I, M, node).support
-    bear(I, M, at.share)
+    bear(I, M, at.share, 1.0)
     at.halvings = 0
     at.rounds += 1
     at.calm = 0

@@ -21,7 +21,6 @@ STEPS_OF_ORDER_3 = 16.0  # that follow such a step
 ORDER_3_PAYS = 1e-4  # tau down to which they do
 ORDER_3_STEP = 0.6  # of the step that the error of order 4 allows, as a first guess
 FAILED_AT_FLOOR = 0.5  # of a step in which Newton's method failed at a floor: the next one
-STEPS_TO_RING_OUT = 10  # that stay as long as they are then: what a failure leaves dies away
 EASY = 2.4, 1.5  # iterations a stage up to which the longest tractable step grows, and by how much
 FAIR = 3.2, 1.1  # the same for one that is near its limit
 PROBED = 1.03  # and up to HARD: not all trouble is the step's, and no limit may stay for ever
@@ -92,14 +91,6 @@ def by_error(scheme, error):
     return ERROR_SAFETY * error ** (-0.25 if scheme == 1 else -1.0 / 3.0)
 
 
-@inlined
-def friction_swings(M, dt):
-    """Whether cable swings on its bristles more quickly than steps of dt follow: friction would
-    move it by more than a bristle in one. Slower swings are followed, and none the sooner over."""
-    state = scalars(M)
-    return state.friction * state.gravity * dt * dt > state.bristle
-
-
 @kernel
 def shorten(I, M, dt, scheme, status, error):
     """After a step that is refused: a shorter one; False where there is none."""
@@ -112,8 +103,6 @@ def shorten(I, M, dt, scheme, status, error):
         if head.floor_state == FLOOR_TOUCHED:
             factor = FAILED_AT_FLOOR
             state.tractable = FAILED_AT_FLOOR * dt
-            if friction_swings(M, FAILED_AT_FLOOR * dt):
-                head.growth_barred = STEPS_TO_RING_OUT
     else:
         factor = max(LARGEST_CUT, by_error(scheme, error))
         if not factor < REFUSED:

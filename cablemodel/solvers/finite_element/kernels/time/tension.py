@@ -107,14 +107,33 @@ def is_watched(I, node):
     return head.parts == 0 or I[head.joint + node] == 0
 
 
+@inlined
+def allowed_in(M, cable):
+    """Error of a step's tension that is allowed in a cable of a system [N]: by the largest tension
+    of its own line."""
+    return STEP_PROMISE * PROMISE * scalars(M).tolerance * cable.tension
+
+
 @kernel
 def allowed_at(I, M, node):
-    """Error of a step's tension in a watched element that is allowed [N]: in a system by the
-    largest tension of its own line."""
+    """Error of a step's tension in a watched element that is allowed [N]."""
     if header(I).parts == 0:
         return tension_tolerance(M)
-    cable = cable_of(I, M, int(edge_of(I, M, node).segment))
-    return STEP_PROMISE * PROMISE * scalars(M).tolerance * cable.tension
+    return allowed_in(M, cable_of(I, M, int(edge_of(I, M, node).segment)))
+
+
+@kernel
+def least_tolerance(I, M):
+    """The least error of a step's tension that is allowed in what may lie on a floor [N]."""
+    head = header(I)
+    least = tension_tolerance(M)
+    if head.parts == 0:
+        return least
+    for n in range(head.cable_count):
+        cable = cable_of(I, M, n)
+        if cable.edge.contact > 0.0:
+            least = min(least, allowed_in(M, cable))
+    return least
 
 
 @kernel

@@ -14,7 +14,7 @@ from cablemodel.solvers.finite_element.kernels.element.stabilisation import foll
 from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean, overstretched
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, STAGES
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import settle
-from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, leave_floor
+from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, leave_floor, rubs
 from cablemodel.solvers.finite_element.kernels.line.closures import give_back_forces, keep_forces
 from cablemodel.solvers.finite_element.kernels.line.inertia import is_held
 from cablemodel.solvers.finite_element.kernels.line.newton import is_folded, refactor
@@ -322,8 +322,7 @@ def plan_step(I, M, plan):
         plan.last_jump = state.time
     remaining = stop - state.time
     # Friction that slips turns suddenly: across it the stages of order 4 make rings.
-    rubs = head.floor_state == FLOOR_TOUCHED and (state.friction > 0.0 or head.foot_count != 0)
-    highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs else 0
+    highest = 1 if head.order == 4 and state.order_3 == 0.0 and not rubs(I, M) else 0
     dt = longest_ring_step(I, M, natural, highest)
     plan.lands = 0
     if dt >= remaining * TAKES_ALL:
