@@ -94,6 +94,7 @@ class Recorder:
         self._stop = threading.Event()
         self.path: Path | None = None
         self.error = ""
+        self._begun = self._taken = 0
         self.failures = self.recoveries = 0
         self._patience, self._retry_at = RETRY, 0.0
         self._flushed = False
@@ -109,13 +110,14 @@ class Recorder:
         """Begin a file: `epoch` is the stamp of t = 0, `snapshot` the state it begins at
         (None: the initial state)."""
         self.wants_file = False
+        self._begun += 1
         self._queue.append(_Begin(epoch, snapshot))
 
     def step(self, stamp: Stamp, messages: Iterable[Message]) -> None:
         """Log what replay needs; only a full queue leaves it out, and begins a new file."""
         if self._room(1.0):
             self._queue.append(_Data(stamp, tuple(messages)))
-        elif not self.error:
+        elif self._listens:
             self.gaps += 1
             self.wants_file = True
 
@@ -123,7 +125,7 @@ class Recorder:
         """Log outputs; left out when the queue is half full."""
         if self._room(0.5):
             self._queue.append(_Data(stamp, tuple(messages)))
-        elif not self.error:
+        elif self._listens:
             self.dropped += 1
 
     def end(self, reason: str = "") -> None:
@@ -136,12 +138,18 @@ class Recorder:
         self._stop.set()
         self._thread.join()
 
+    @property
+    def _listens(self) -> bool:
+        """Whether anything is written now, or a file waits that may be: its first steps are some
+        turns of the thread before it is opened."""
+        return not self.error or self._begun > self._taken
+
     def _room(self, share: float) -> bool:
         while len(self._queue) >= share * self._capacity:
-            if not self._wait or self.error:
+            if not self._wait or not self._listens:
                 return False
             time.sleep(_PAUSE)
-        return not self.error
+        return self._listens
 
     @property
     def problem(self) -> str:
@@ -184,10 +192,13 @@ class Recorder:
 
     def _take(self, item: _Begin | _Data | _End) -> None:
         if isinstance(item, _Begin):
-            self._finish("")
-            self._open(item)
-            self.recoveries += bool(self.error)
-            self.error = ""
+            try:
+                self._finish("")
+                self._open(item)
+                self.recoveries += bool(self.error)
+                self.error = ""
+            finally:
+                self._taken += 1
         elif isinstance(item, _End):
             self._finish(item.reason)
         elif self._writer is not None:

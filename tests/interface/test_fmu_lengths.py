@@ -327,12 +327,17 @@ JUMPER = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("length", [84.0, 88.0, 90.0])
-def test_elements_follow_a_line_that_bends_more_at_its_new_length(length, tmp_path):
-    """On the scene's elements it rang by a third of its tension."""
+@pytest.mark.parametrize(
+    ("length", "at"),
+    [*((length, 0.0) for length in (84.0, 88.0, 90.0, 110.0, 130.0)), (66.0, 30.0)],
+)
+def test_elements_follow_a_line_that_bends_more_than_the_scenes(length, at, tmp_path):
+    """On the scene's elements it rang by a third of its tension, and far longer by all of it."""
+    vessel = {"position": [at, 0, 3]}
     with unpacked(cm.load_scene(JUMPER), tmp_path, stations=STATIONS) as found:
-        slave = Slave(*found, **{"line.cable[1].length": length})
-        model = cm.CableModel(with_lengths({"title": "", **JUMPER}, [length], []))
+        values = {"line.cable[1].length": length, "vessel.start_position[1]": at}
+        slave = Slave(*found, **values)
+        model = cm.CableModel(with_lengths({"title": "", **JUMPER, "vessel": vessel}, [length], []))
         for _ in range(40):
             assert max(difference(slave, model)) < 1.0
             slave.step(0.25)

@@ -200,6 +200,27 @@ def test_input_derivatives_give_the_value_at_the_end_of_the_step(still):
     slave.close()
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_velocity_leads_as_far_as_its_derivatives_say(still, order):
+    """v = t^n, by the value at each step's start, beside a place in the library."""
+    scene, place, description = still
+    slave, model = Slave(place, description), cm.CableModel(scene)
+    velocity = slave.references["vessel.velocity[1]"].valueReference
+    begin, dt = model.vessel_position, 0.25
+    for n in range(8):
+        t = n * dt
+        slopes = [float(np.polyval(np.polyder([1.0] + order * [0.0], k), t)) for k in (1, 2, 3)]
+        slave.set("vessel.velocity", (t**order, 0, 0))
+        slave.fmu.setRealInputDerivatives([velocity] * 3, [1, 2, 3], slopes)
+        slave.step(dt)
+        way, speed = (t + dt) ** (order + 1) / (order + 1), (t + dt) ** order
+        there = {"vessel_position": begin + np.array([way, 0, 0]), "vessel_velocity": (speed, 0, 0)}
+        model.step(dt, **there, payout_rate=0.0, current=(0, 0, 0))
+    assert slave.get("tension.top") == pytest.approx(model.top_tension, rel=1e-9)
+    assert slave.get("tip.position[1]") == pytest.approx(model.tip_position[0], rel=1e-9)
+    slave.close()
+
+
 def test_coefficients_set_before_the_start_are_those_of_the_scene(still):
     """A coefficient changed in the FMU gives the equilibrium of a scene that has it."""
     _scene, place, description = still

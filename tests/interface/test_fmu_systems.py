@@ -548,6 +548,26 @@ def test_timing_and_derivatives(hung: Any) -> None:
         slave.close()
 
 
+def test_velocities_and_rates_lead_as_far_as_their_derivatives_say(hung: Any) -> None:
+    """v = t^2 / 4 and a yaw rate of t^2 / 9, by values at each step's start."""
+    _, place, description = hung
+    slave, dt = Slave(place, description), 0.25
+    named = {"ship.velocity_input[2]": 0.25, "ship.attitude_rate_input[3]": 1.0 / 9.0}
+    references = [slave.references[name].valueReference for name in named]
+    for n in range(8):
+        t = n * dt
+        for name, factor in named.items():
+            slave.set(name, factor * t * t)
+        slopes = [order * factor for factor in named.values() for order in (t * 2.0, 2.0)]
+        both = [r for r in references for _ in (1, 2)]
+        slave.fmu.setRealInputDerivatives(both, [1, 2] * 2, slopes)
+        slave.step(dt)
+    assert slave.get("ship.position[2]") == pytest.approx(0.25 * 8.0 / 3.0, rel=1e-9)
+    assert slave.get("ship.velocity[2]") == pytest.approx(1.0, rel=1e-9)
+    assert slave.get("ship.attitude[3]") == pytest.approx(8.0 / 27.0, rel=1e-9)
+    slave.close()
+
+
 @pytest.mark.parametrize("first", [0, 4])
 def test_a_place_that_takes_over_goes_on_as_fast_as_the_vessel_is(towed: Any, first: int) -> None:
     """A crane that goes straight on; a tug in a turn, whose course goes on, too."""

@@ -101,6 +101,14 @@ double place_at_end(const Controls *now, const double *slope, double value, doub
     return value + dt * (rate + 0.5 * dt * gain);
 }
 
+/* How far a velocity leads in a step by the derivatives that the master has set. */
+double way_at_end(const double *slope, double value, double dt) {
+    return dt * (value + dt * (slope[0] / 2.0 + dt * (slope[1] / 6.0 + dt * slope[2] / 24.0)));
+}
+
+/* Whether a velocity varies otherwise than linearly by them: then places say where it leads. */
+int is_curved(const double *slope) { return slope[1] != 0.0 || slope[2] != 0.0; }
+
 /* Which inputs drove in the last step. */
 static int64_t drove(const Controls *now) {
     const StepInputs *applied = &now->applied;
@@ -180,6 +188,16 @@ static void collect_inputs(Cable *cable, double dt, StepInputs *inputs) {
         if (inputs->velocity_given != 0.0) inputs->velocity[i] = at_end(cable, VR_VELOCITY + i, dt);
         if (inputs->position_given != 0.0) inputs->position[i] = at_end(cable, VR_POSITION + i, dt);
         if (inputs->current_given != 0.0) inputs->current[i] = at_end(cable, VR_CURRENT + i, dt);
+    }
+    int curved = 0;
+    for (int i = 0; i < 3; i++) curved |= is_curved(cable->now.slope[VR_VELOCITY + i]);
+    if (by == BY_VELOCITY && inputs->velocity_given != 0.0 && cable->now.has_slope && curved) {
+        inputs->position_given = 1.0;
+        for (int i = 0; i < 3; i++) {
+            const int v = VR_VELOCITY + i;
+            inputs->position[i] = summary(cable)->vessel_position[i] +
+                                  way_at_end(cable->now.slope[v], cable->now.input[v], dt);
+        }
     }
     if (inputs->payout_given != 0.0) inputs->payout_rate = at_end(cable, VR_PAYOUT, dt);
     if (goes_straight_on(cable)) {

@@ -264,6 +264,8 @@ void clear_slopes(Cable *cable);
 double value_at_end(const Controls *now, const double *slope, double value, const double *before,
                     double dt);
 double distance_from(const double *start, const double *velocity, const double *reached, double dt);
+double way_at_end(const double *slope, double value, double dt);
+int is_curved(const double *slope);
 double place_at_end(const Controls *now, const double *slope, double value, double rate,
                     const double *rate_before, double dt);
 const char *read_value(Cable *cable, unsigned vr, double *value);
@@ -295,7 +297,7 @@ typedef struct { /* the most that an element bends, in what it can follow, and s
     double bent, stretched, pressed;
 } Shape;
 Shape shape_of(const Cable *cable);
-void judge_shape(Cable *cable, const Shape *before);
+void judge_shape(Cable *cable, const Shape *before, double bent);
 int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity);
 int64_t *copy_of_image(const Cable *cable);
 void give_back(Cable *cable, const int64_t *image);

@@ -196,8 +196,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (odd != NULL) report(in, fmi2Warning, "fmi2ExitInitializationMode: %s", odd);
     if (in->cable.bent > 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start the line bends %.3g times as "
-               "much as the exported elements can follow at the scene's tolerance: export the scene with "
-               "these values", in->cable.bent);
+               "much as the exported elements can follow at the scene's tolerance, and its shape may not be "
+               "the scene's: export the scene with these values", in->cable.bent);
     if (in->cable.stretched > 0.0)
         report(in, fmi2Warning, "fmi2ExitInitializationMode: at this start a line is stretched by %.3g per cent: are "
                "places and lengths right?", 100.0 * in->cable.stretched);

@@ -212,10 +212,10 @@ static Exported exported(Cable *cable) {
 }
 
 /* What is to be told of a static start that was found anew: its shape, and that it presses the line. */
-static void judge(Cable *cable, const Exported *before) {
+static void judge(Cable *cable, const Exported *before, double bent) {
     const Summary *found = summary(cable);
     const double wrong = PROMISE * scalars(cable->M)->tolerance * fmax(fabs(found->tension_min), fabs(found->tension_max));
-    judge_shape(cable, &before->shape);
+    judge_shape(cable, &before->shape, bent);
     cable->pressed = found->tension_min < -wrong ? found->tension_min : 0.0;
     outputs_changed(cable);
 }
@@ -224,6 +224,7 @@ static void judge(Cable *cable, const Exported *before) {
    where that fails, in steps. */
 const char *settle_line(Cable *cable) {
     int64_t status = STATICS_FAILED;
+    double bent = 0.0;
     Exported before = {0};
     cable->bent = cable->stretched = cable->pressed = 0.0;
     cable->leaves = 0;
@@ -255,15 +256,17 @@ const char *settle_line(Cable *cable) {
             for (int n = 0; n < leaps && status == OK; n++)
                 status = stretch_line(cable, (double)n / leaps, (n + 1.0) / leaps);
         }
-        /* What bends far more may be another shape than the scene's: it is warned of, as it is. */
-        if (judged && status == OK && shape_of(cable).bent <= FAR_TOO_BENT)
+        /* What bends far more may be another shape than the scene's: it is warned of. */
+        if (judged && status == OK) {
+            bent = shape_of(cable).bent;
             status = refine(cable, 0, at_rest_again, NULL);
+        }
     }
     if (status == OK) {
         if (!judged) return NULL;
         outputs_changed(cable);
         if (touches_floor(cable)) return refuse_on_floor(cable);
-        judge(cable, &before);
+        judge(cable, &before, bent);
         const Parameter *changed = first_changed(cable);
         return judge_growth(cable, changed != NULL           ? changed->name
                                    : position_changed(cable) ? "vessel.start_position"

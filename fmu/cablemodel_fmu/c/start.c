@@ -15,10 +15,12 @@ Shape shape_of(const Cable *cable) {
     return found;
 }
 
-/* What is to be told of a start that was found anew, where the exported one was not like that. */
-void judge_shape(Cable *cable, const Shape *before) {
+/* What is to be told of a start that was found anew, where the exported one was not like that. bent: by how
+   much it was when it was found, on the exported elements. */
+void judge_shape(Cable *cable, const Shape *before, double bent) {
     const Shape now = shape_of(cable);
-    cable->bent = now.bent > fmax(FAR_TOO_BENT, before->bent) ? now.bent : 0.0;
+    bent = fmax(bent, now.bent);
+    cable->bent = bent > fmax(FAR_TOO_BENT, before->bent) ? bent : 0.0;
     cable->stretched = now.stretched > fmax(LARGE_STRAIN, before->stretched) ? now.stretched : 0.0;
 }
 

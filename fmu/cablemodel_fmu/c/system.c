@@ -444,6 +444,29 @@ static void look_at_frames(Cable *cable) {
                             FRAME_INPUTS * cable->system->vessels);
 }
 
+/* Where velocities and rates lead whose derivatives say that they do not vary linearly, as places and
+   attitudes that are not given; which of these are now. */
+static int64_t curved_way(const Cable *cable, const PartInput *own, int64_t given, double dt,
+                          FrameInput *motion, const FrameInput *moves) {
+    const struct {
+        int64_t rate, given_rate, given_place;
+        double *to;
+        const double *from;
+    } ways[] = {{AT_VELOCITY, GIVEN_VELOCITY, GIVEN_POSITION, motion->position, moves->position},
+                {AT_RATE, GIVEN_RATE, GIVEN_ATTITUDE, motion->attitude, moves->attitude}};
+    int64_t more = 0;
+    for (int k = 0; k < 2 && cable->now.has_slope; k++) {
+        const PartInput *rate = own + ways[k].rate;
+        int curved = 0;
+        for (int i = 0; i < 3; i++) curved |= is_curved(rate[i].slope);
+        if (!curved || !(given & ways[k].given_rate) || (given & ways[k].given_place)) continue;
+        more |= ways[k].given_place;
+        for (int i = 0; i < 3; i++)
+            ways[k].to[i] = ways[k].from[i] + way_at_end(rate[i].slope, rate[i].value, dt);
+    }
+    return more;
+}
+
 /* A vessel's motion for a step, and whether any is given. */
 static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameInput *motion) {
     static const struct {
@@ -472,6 +495,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
                             : at_end(cable, first + group + i, dt);
         }
     }
+    given |= curved_way(cable, own, given, dt, motion, moves);
     if (velocity_set(cable, vessel)) { /* nothing else drives it: it goes straight on */
         if (!(given & (GIVEN_POSITION | GIVEN_VELOCITY))) {
             given |= GIVEN_VELOCITY;

@@ -372,7 +372,7 @@ static const char *start_flowing(Cable *cable) {
 
 /* What is to be told of such a start: as `judge` of lengths.c. */
 static void judge(Cable *cable, const Shape *before) {
-    judge_shape(cable, before);
+    judge_shape(cable, before, 0.0);
     cable->pressed = shape_of(cable).pressed;
 }
 

@@ -367,6 +367,33 @@ def test_logs_are_bounded_and_each_file_begins_at_a_snapshot(tmp_path: Path) -> 
         replay(run)
 
 
+def test_a_log_after_a_failure_has_all_steps_from_its_state_on(tmp_path: Path) -> None:
+    """Also those that are made before the writing thread opens the new file."""
+    folder = tmp_path / "log"
+    folder.write_text("in the way")
+    session = opened(settings(log__folder=str(folder)))
+    recorder = session.recorder
+    assert recorder is not None
+    session.start()
+    wait_until(lambda: bool(recorder.error))
+    drive(session, 20)
+    folder.unlink()
+    wait_until(lambda: recorder.wants_file, 60.0)
+    drive(session, 50, (0.7, 0.3, 0.0), rate=0.4)
+    session.close()
+    (path,) = folder.glob(PATTERN)
+    with path.open("rb") as file:
+        (state,) = (
+            a.data for a in make_reader(file).iter_attachments() if a.name == SNAPSHOT_ATTACHMENT
+        )
+    run = cm.open_run(path)
+    model = cm.CableModel(run.scene)
+    model.restore(Snapshot(state))
+    assert run.applied_inputs["time"][0] == pytest.approx(model.time + 0.01)
+    assert len(run.applied_inputs["time"]) >= 49
+    assert replay(run).exact
+
+
 def test_a_slow_disk_costs_outputs_first_and_then_begins_a_new_file(tmp_path: Path) -> None:
     recorder = Recorder(tmp_path, cm.load_scene(SCENE), max_bytes=1e9, max_files=9, capacity=10)
     recorder._stop.set()  # the writer is gone: nothing is taken from the queue
