@@ -20,6 +20,9 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 CONSTANTS = "engine/constants"
 """The data file that becomes a page."""
+RECORDS = "engine/records"
+LAYOUT = ROOT / "cablemodel" / "solvers" / "shared" / "layout.py"
+"""The declarations that become a page."""
 
 METHOD = "method/method"
 """The paper, whose source becomes a PDF."""
@@ -28,10 +31,11 @@ _LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
-    """The page of constants, made from its data file, and the paper."""
+    """The pages of constants and of records, made from data and declarations, and the paper."""
     with (DOCS / f"{CONSTANTS}.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
     files.append(File.generated(config, f"{CONSTANTS}.md", content=_constants(rows)))
+    files.append(File.generated(config, f"{RECORDS}.md", content=_records()))
     paper = typst.compile(DOCS / f"{METHOD}.typ", root=ROOT, ignore_system_fonts=True)
     files.append(File.generated(config, f"{METHOD}.pdf", content=paper))
     return files
@@ -45,6 +49,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any, **_: Any
         there = (DOCS / here / match[1]).resolve()
         if there == DOCS / f"{CONSTANTS}.csv":
             return match[1].replace(".csv", ".md")
+        if there == LAYOUT:
+            return "../" * len(here.parts) + f"{RECORDS}.md"
         if there == DOCS / f"{METHOD}.typ":
             return match[1].replace(".typ", ".pdf")
         if there.is_relative_to(DOCS) or not there.exists() or not there.is_relative_to(ROOT):
@@ -111,4 +117,31 @@ def _constants(rows: list[list[str]]) -> str:
             names = [name for name in head if name != "module"]
             lines += ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
         lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _records() -> str:
+    """A table for each record of the block's memory."""
+    from cablemodel.solvers.shared import layout
+    from cablemodel.solvers.shared.record import Part, Spare, described, records
+
+    lines = [
+        "# Memory",
+        "",
+        "A model's state is one block of memory, of words of eight bytes. What they are, record by",
+        "record, as `cablemodel/solvers/shared/layout.py` declares it.",
+    ]
+    for record in records(layout):
+        lines += ["", f"## {record.__name__}", "", (record.__doc__ or "").strip(), ""]
+        lines += ["| word | field | words | meaning |", "|---|---|---|---|"]
+        for name, field in record.FIELDS.items():
+            if isinstance(field, Spare):
+                continue
+            of = (
+                f", a [{field.of.__name__}](#{field.of.__name__.lower()})"
+                if isinstance(field, Part)
+                else ""
+            )
+            told = described(field).replace("|", "\\|")
+            lines.append(f"| {field.word} | `{name}` | {field.words} | {told}{of} |")
     return "\n".join(lines) + "\n"

@@ -3,7 +3,8 @@
 A record is a class whose fields follow each other without gaps, in the order of their declaration,
 each with its meaning and its unit. The declaration is all there is: the view by name in Python
 (``Header(block.ints).nodes``), the one in kernels (records.py), NumPy's dtype, the struct of the
-FMU's C code and the numbers of words come from it. Fields can therefore not overlap.
+FMU's C code, the page of the site and the numbers of words come from it. Fields can therefore not
+overlap.
 """
 
 from __future__ import annotations
@@ -214,6 +215,11 @@ def records(module: ModuleType) -> list[type[Record]]:
     ]
 
 
+def described(field: Field) -> str:
+    """What a field is, and its unit."""
+    return f"{field.meaning} [{field.unit}]" if field.unit else field.meaning
+
+
 def dtype_of(record: type[Record]) -> np.dtype[Any]:
     """The record as a structured type of NumPy."""
     formats: list[Any] = [
@@ -240,5 +246,6 @@ def c_struct(record: type[Record]) -> str:
             kind, several = "char", f"[{8 * field.words}]"
         else:
             kind = "int64_t" if field.kind == INTEGER else "double"
-        lines.append(f"    {kind} {name}{several};")
+        told = f" /* {described(field)} */" if field.meaning else ""
+        lines.append(f"    {kind} {name}{several};{told}")
     return "\n".join([*lines, f"}} {record.__name__};"])

@@ -17,7 +17,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     touchdown_layer,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import (
-    PRESSED,
+    LEFT_PRESSED,
     bear,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest_gap
@@ -558,7 +558,7 @@ def follow_floor(I, M, change, first):
     if state.floor_wait > 0.0:
         # Before a step: the forces that are read after one are those that made it.
         way = state.floor_wait / state.period
-        bear(I, M, way / (1.0 + way), PRESSED)
+        bear(I, M, way / (1.0 + way), LEFT_PRESSED)
         state.floor_wait = 0.0
     gaps = view(M, spare_row(I, ROW_GAPS), head.capacity)
     behind = view(M, spare_row(I, ROW_BEHIND), head.capacity)
