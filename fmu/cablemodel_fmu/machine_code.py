@@ -16,13 +16,13 @@ from typing import Any
 from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
-    "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer", "closures",
-    "consistency", "cuts", "energies", "feet", "firm_friction", "floor_memory", "floor_outputs",
-    "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls", "inertia", "interface",
-    "lengths", "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid",
-    "rings", "rotation", "scales", "shear", "slack", "sleep", "stabilisation", "stations",
-    "statics", "stretch", "summary", "swinging", "tension", "top_element", "touchdown_mesh",
-    "vessel_clamp", "winch",
+    "backup", "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer",
+    "closures", "consistency", "cuts", "energies", "feet", "firm_friction", "floor_memory",
+    "floor_outputs", "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls",
+    "inertia", "interface", "lengths", "mesh_motion", "part_outputs", "payout", "promote",
+    "raos", "resizing", "rigid", "rings", "rotation", "scales", "shear", "slack", "sleep",
+    "stabilisation", "statics", "stations", "stepping", "stretch", "summary", "surge",
+    "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")

@@ -22,7 +22,8 @@ from cablemodel.solvers.finite_element.linearisation import (
     small_motions,
 )
 from cablemodel.solvers.finite_element.stability import slowest_growth
-from cablemodel.systems import SystemModel, build
+from cablemodel.systems import SystemModel
+from cablemodel.systems.equilibrium import Equilibria
 from tests.verification.test_system_clamps import cage, two_parallel_beams
 from tests.verification.test_system_cycles import two_bars
 from tests.verification.test_systems import G, hung_bar, in_vacuum, string
@@ -75,7 +76,7 @@ def test_a_body_that_stands_on_its_string_starts_hanging_and_is_warned_of() -> N
 @pytest.fixture
 def falls_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Starts stay where they do not last."""
-    monkeypatch.setattr(build, "_lasting", lambda *_arguments: None)
+    monkeypatch.setattr(Equilibria, "_fallen", lambda *_arguments: None)
 
 
 @pytest.mark.usefixtures("falls_nowhere")

@@ -18,7 +18,7 @@ from cablemodel.errors import SceneError, StepError
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems import SystemModel, load_system
-from cablemodel.systems.build import without_shape
+from cablemodel.systems.equilibrium import without_shape
 from cablemodel.systems.inputs import VesselInput
 from tests.verification.references.bodies import free_spin
 

@@ -40,8 +40,8 @@ static int64_t halve_bent(Cable *cable) {
     return found;
 }
 
-/* Finer where lines bend too much, or where they meet the floor, and at rest again: _at_rest of
-   cablemodel/systems/build.py, start/refinement.py. What fails leaves the mesh to the run. */
+/* Finer where lines bend too much, or where they meet the floor, and at rest again: _refined of
+   cablemodel/systems/equilibrium.py, start/refinement.py. What fails leaves the mesh to the run. */
 int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity) {
     for (int round = 0; round < REFINEMENTS; round++) {
         if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;

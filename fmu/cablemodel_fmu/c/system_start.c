@@ -241,7 +241,7 @@ static void set_friction(Cable *cable, int holds) {
     }
 }
 
-/* The calls of _come_to_rest in cablemodel/systems/build.py. */
+/* The calls of Equilibria._come_to_rest, cablemodel/systems/equilibrium.py, but on its floor at once. */
 static int64_t come_to_rest(Cable *cable, double velocity[3]) {
     int64_t status = STATICS_FAILED;
     set_friction(cable, 0);

@@ -1,0 +1,308 @@
+"""The equilibrium in which a system starts: where it is sought, and how it is found.
+
+A relaxation's long steps damp what grows, too, and may end where the system does not stay: a body
+stands on its string, slack between two places is a strut. Such a start is sought anew from other
+first shapes, then where it falls to.
+"""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cablemodel.errors import OverturnedStartWarning, StaticsError
+from cablemodel.scene.sea import sea
+from cablemodel.solvers.finite_element.start import continuation, sea_floor, search
+from cablemodel.solvers.finite_element.start.falling import TIMES, fall
+from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
+from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
+from cablemodel.solvers.finite_element.start.waves import refine_line
+from cablemodel.solvers.shared import layout as at
+from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.systems.built import Built
+from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
+from cablemodel.systems.guess import Guess, first_guess, ways_aside
+from cablemodel.systems.lines import nodes_of, steady_velocity
+from cablemodel.systems.places import divided, place_nodes, refined
+from cablemodel.systems.scene import SystemScene
+from cablemodel.systems.stability import Instability, instability, is_pressed
+from cablemodel.systems.tables import filled, hold_feet, rest_feet
+from cablemodel.systems.tree import tree_of
+
+FloatArray = NDArray[np.float64]
+
+PARTS_ASIDE = 1, 2, 4, 8, 16, 32
+"""Of each element, in turn, where lines are drawn aside: some need a sharp bend to hang in."""
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """A search for one."""
+
+    scene: SystemScene
+    whole: SystemScene
+    """The scene whose floor and scales it has."""
+    sought: search.Search
+    velocity: FloatArray
+    """Of the frame in which it is at rest (3,) [m/s]."""
+    guess: Guess
+    """The first one of its shape."""
+
+    @classmethod
+    def of(cls, scene: SystemScene, whole: SystemScene, sought: search.Search) -> Equilibria:
+        """A search of a scene that is all of a whole, or a part that starts by itself."""
+        velocity = steady_velocity(scene)
+        return cls(scene, whole, sought, velocity, first_guess(scene, velocity))
+
+    def find(self) -> Built:
+        """A block at an equilibrium, at one that lasts if any was found.
+
+        Raises:
+            StaticsError: none was found.
+
+        Warns:
+            UnstableStartWarning: the system leaves it by itself, and no other was found.
+            OverturnedStartWarning: another was, in which bodies are turned over.
+        """
+        built, leaves = self._from_first_shapes()
+        if leaves is not None:
+            lasts = self._fallen(built, leaves)
+            if lasts is not None:
+                built, leaves = lasts, None
+                overturned = _overturned(built, self.guess)
+                if overturned:
+                    warnings.warn(OverturnedStartWarning(overturned), stacklevel=2)
+        if leaves is not None:
+            warnings.warn(leaves.warning(), stacklevel=2)
+        built.unstable = leaves is not None
+        return built
+
+    def _from_first_shapes(self) -> tuple[Built, Instability | None]:
+        """A block at the equilibrium near a first shape, and how the system leaves it.
+
+        Raises:
+            StaticsError: none was found.
+        """
+        built: Built | None = None
+        leaves: Instability | None = None
+        self.sought.tries("without friction")
+        try:
+            built = self._at_rest(self.guess)
+            leaves = instability(built)
+        except StaticsError as error:
+            failure = error
+        for fits, words in (
+            (turned_along_clamps, "the same from bodies turned along what is clamped to them"),
+            (straight_from_clamps, "the same from lines straight out of what clamps them"),
+        ):
+            if built is not None and leaves is None:
+                return built, None
+            guess = fits(self.scene, self.guess)
+            if guess is None:
+                continue
+            self.sought.tries(words)
+            with _failures_pass(built):
+                built = self._at_rest(guess)
+                leaves = instability(built)
+        if built is None or (leaves is not None and is_pressed(built)):
+            # Slack between two places one above the other is a strut, or hangs doubled in a sharp
+            # bend.
+            guess = first_guess(self.scene, self.velocity, ways_aside(self.guess))
+            guess = turned_along_clamps(self.scene, guess) or guess
+            self.sought.tries("the same from lines that were drawn aside")
+            for parts in PARTS_ASIDE:
+                with _failures_pass(built):
+                    other = self._at_rest(guess, parts)
+                    its = instability(other)
+                    if built is None or its is None:
+                        built, leaves = other, its
+                    if its is None:
+                        break
+        if built is None:
+            raise failure
+        return built, leaves
+
+    def _at_rest(self, guess: Guess, parts: int = 1) -> Built:
+        """A block in equilibrium, on elements that are fine enough for it.
+
+        parts: into which elements are divided from the first.
+
+        Raises:
+            StaticsError: none was found.
+        """
+        scene = self.scene
+        nodes = {
+            name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines
+        }
+        water = sea(scene)
+        if water is not None:
+            for name, line in scene.lines.items():
+                accuracy = scene.solver.tolerance * line.length
+                cables = [item.cable for item in line.items if item.cable is not None]
+                nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
+        return self._refined(guess, self._solved(nodes, guess, None))
+
+    def _refined(self, guess: Guess, built: Built) -> Built:
+        """The same equilibrium on elements that are fine enough for it.
+
+        Raises:
+            StaticsError: none was found.
+        """
+        nodes = built.tree.nodes
+        for _round in range(REFINEMENT_ROUNDS):
+            finer = refined(self.scene, nodes, built)
+            if finer is None:
+                break
+            nodes = finer
+            self.sought.tries("the same on finer elements")
+            built = self._solved(nodes, guess, built)
+        if self.scene.environment.floor is not None:
+            self.sought.tries("the same on elements that are finer at the touchdown")
+            self._refine_at_floor(built)
+        return built
+
+    def _fallen(self, built: Built, leaves: Instability) -> Built | None:
+        """A block at the equilibrium to which the system falls from one that does not last; None:
+        it falls to none that does, or swings as it leaves."""
+        self.sought.tries("where it falls to from there")
+        for _time in range(TIMES):
+            if leaves.frequency != 0.0:
+                return None
+            block = copy.deepcopy(built.block)
+            state = block.scalars
+            friction, state.friction = state.friction, 0.0
+            frame = self.velocity.copy()
+            try:
+                fallen = fall(block, frame, leaves.rate, leaves.motion, lambda _block: None)
+                if fallen is None:
+                    return None
+                state.friction = friction
+                built = replace(built, block=fallen.block)
+                self._come_to_rest(built)
+                built = self._refined(self.guess, built)
+            except (StaticsError, search.OutOfTimeError):
+                return None
+            still = instability(built)
+            if still is None:
+                return built
+            leaves = still
+        return None
+
+    def _solved(
+        self, nodes: dict[str, list[FloatArray]], guess: Guess, before: Built | None
+    ) -> Built:
+        """A block on given nodes, at rest; from another one on coarser nodes where there is one."""
+        from cablemodel.solvers import library as entry
+
+        built = filled(self.scene, tree_of(self.scene, nodes), guess, before, settings=self.whole)
+        block = built.block
+        place_nodes(self.scene, built, guess, before)
+        sea_floor.fill(block, self.whole)
+        block.header.sleep = 0
+        entry.place_supports(block.ints, block.reals)
+        self._come_to_rest(built)
+        return built
+
+    def _come_to_rest(self, built: Built) -> None:
+        """Equilibrium of a block whose nodes are placed.
+
+        Raises:
+            StaticsError: none was found.
+        """
+        from cablemodel.solvers import library as entry
+
+        block = built.block
+        ints, reals = block.ints, block.reals
+        head = Header(ints)
+        state = Scalars(reals)
+        solve = partial(search.equilibrium, block, self.velocity.copy())
+        ways: list[Callable[[], int]] = [solve]
+        if head.floor_kind:
+            harder = continuation.on_hardening_floors
+            ways += [partial(harder, block, solve, floors) for floors in continuation.FLOORS]
+        # What is free comes to rest without friction; it holds the lines from there.
+        friction, state.friction = state.friction, 0.0
+        hold_feet(self.scene, built)
+        for attempt in range(2):
+            status = continuation.first_of(block, ways)
+            if status != at.OK:
+                line, arc = built.where(min(block.failed_node, built.nodes - 1))
+                advice = without_shape(self.scene)
+                raise StaticsError(
+                    f"no static equilibrium of the system was found; what moved last is {line!r} "
+                    f"at {arc:g} m. Check weights, lengths and attachments{advice}"
+                )
+            # The new stiffness changes the forces by a little: the state must meet them.
+            if attempt or not entry.stabilise(ints, reals):
+                break
+        state.friction = friction
+        hold_supports(block)
+        sea_floor.rest_where_it_is(block)
+        rest_feet(self.scene, built)
+        count_from_zero(block)
+        if head.hybrid:
+            entry.choose_bending(ints, reals)
+
+    def _refine_at_floor(self, built: Built) -> None:
+        """Refine a static shape where it meets the floor, and solve again from its own shape."""
+        from cablemodel.solvers import library as entry
+
+        block = built.block
+        for _turn in range(REFINEMENT_ROUNDS):
+            at_rest = block.image.copy()
+            while (changed := entry.refine_at_floor(block.ints, block.reals)) == at.NO_CAPACITY:
+                block.take(at_rest)
+                block.grow()
+                at_rest = block.image.copy()
+            if not changed:
+                return
+            try:
+                self._come_to_rest(built)
+            except StaticsError:
+                block.image[:] = at_rest  # the mesh follows the floor as the run begins
+                return
+
+
+def _failures_pass(built: Built | None) -> suppress:
+    """Go on where an attempt fails; where there is a block already also when there is no time."""
+    return suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,)))
+
+
+def _overturned(built: Built, guess: Guess) -> list[str]:
+    """Names of bodies whose vertical axis points the other way than at the first guess."""
+    from scipy.spatial.transform import Rotation
+
+    nodes = built.body_nodes()
+    turns = Rotation.from_rotvec(built.block.array(Header.position, built.nodes, 6)[nodes, 3:])
+    rows = built.block.array(Header.free_bodies, len(nodes), at.FREE_WORDS)
+    axes = turns.as_matrix() @ rows[:, at.FreeBody.rotation.span].reshape(-1, 3, 3)
+    upright = np.array([guess.axes[name] for name in built.scene.bodies])
+    over = np.sum(axes[:, :, 2] * upright[:, :, 2], axis=1) < 0.0
+    return [name for name, is_over in zip(built.scene.bodies, over, strict=True) if is_over]
+
+
+def without_shape(scene: SystemScene) -> str:
+    """Advice about lines that nothing gives a shape while they are slack."""
+    limp = {
+        name
+        for name, kind in scene.cable_types.items()
+        if kind.submerged_weight == 0.0 and kind.bending_stiffness == 0.0
+    }
+    found = [
+        name
+        for name, line in scene.lines.items()
+        if any(item.cable is not None and item.cable.type in limp for item in line.items)
+    ]
+    if not found:
+        return ""
+    return (
+        f"; cable of {' and '.join(found)} has neither weight in water nor bending stiffness, and "
+        "no shape where it is slack: give it some of either"
+    )
