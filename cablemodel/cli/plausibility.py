@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from cablemodel.scene.vessel import RatePoint, Vessel
     from cablemodel.systems import SystemModel, SystemScene
 
+Angles = list[tuple[str, "float | None"]]
+"""Where they stand in a scene [rad]."""
 KNOT = 1852.0 / 3600.0
 """A knot [m/s]."""
 _AIR = 100.0
@@ -63,7 +65,7 @@ def scene_warnings(scene: Scene) -> list[str]:
             f"run.output_interval ({settings.output_interval:g} s) is longer than run.duration "
             f"({settings.duration:g} s): only the start and the end are output"
         )
-    found += _angles_without_unit(scene)
+    found += _angles_without_unit(_path_angles("vessel", scene.vessel) + _wave_angles(scene))
     found += _fast_vessel("the tow point", scene.motion().typical_velocities())
     found += _heave_that_ends("vessel", scene.vessel, scene.run.duration)
     if scene.vessel.path is not None and scene.vessel.interpolation != "linear":
@@ -98,6 +100,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
     items = [item for line in scene.lines.values() for item in line.items]
     items += [item for winch in scene.winches.values() for item in winch.drum]
     found = _type_warnings(scene, items, "any line or drum") + _item_warnings(scene, items)
+    found += _angles_without_unit(_part_angles(scene) + _wave_angles(scene))
     for name, body in scene.bodies.items():
         weight = body.weight_in(scene.environment)
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
@@ -307,24 +310,47 @@ def _waves_of_a_winch(scene: Scene, tension: float) -> list[str]:
     return found
 
 
-def _angles_without_unit(scene: Scene) -> list[str]:
-    """Angles of more than a turn that are no whole degrees: degrees without their unit."""
-    angles: list[tuple[str, float | None]] = []
-    for index, leg in enumerate(scene.vessel.path or ()):
-        place = f"vessel.path.{index}"
+def _path_angles(place: str, vessel: Vessel) -> Angles:
+    found: Angles = []
+    for index, leg in enumerate(vessel.path or ()):
+        at = f"{place}.path.{index}"
         if leg.straight is not None:
-            angles.append((f"{place}.straight.heading", leg.straight.heading))
+            found.append((f"{at}.straight.heading", leg.straight.heading))
         if leg.turn is not None:
-            angles.append((f"{place}.turn.angle", leg.turn.angle))
-            angles.append((f"{place}.turn.heading", leg.turn.heading))
+            found.append((f"{at}.turn.angle", leg.turn.angle))
+            found.append((f"{at}.turn.heading", leg.turn.heading))
+    return found
+
+
+def _wave_angles(scene: CableScene) -> Angles:
+    found: Angles = []
     if (waves := scene.environment.waves) is not None:
         if waves.regular is not None:
-            angles.append(("environment.waves.regular.direction", waves.regular.direction))
-            angles.append(("environment.waves.regular.phase", waves.regular.phase))
+            found.append(("environment.waves.regular.direction", waves.regular.direction))
+            found.append(("environment.waves.regular.phase", waves.regular.phase))
         if waves.jonswap is not None:
-            angles.append(("environment.waves.jonswap.direction", waves.jonswap.direction))
+            found.append(("environment.waves.jonswap.direction", waves.jonswap.direction))
         if waves.components is not None:
-            angles.append(("environment.waves.components.direction", waves.components.direction))
+            found.append(("environment.waves.components.direction", waves.components.direction))
+    return found
+
+
+def _part_angles(scene: SystemScene) -> Angles:
+    """Of vessels, bodies and foils."""
+    found: Angles = []
+    for name, vessel in scene.vessels.items():
+        found += _path_angles(f"vessels.{name}", vessel)
+        found += [(f"vessels.{name}.attitude", angle) for angle in vessel.attitude]
+    for name, body in scene.bodies.items():
+        found += [(f"bodies.{name}.attitude", angle) for angle in body.attitude]
+        for foil, wing in body.foils.items():
+            place = f"bodies.{name}.foils.{foil}"
+            found += [(f"{place}.deflection", wing.deflection), (f"{place}.stall", wing.stall)]
+    return found
+
+
+def _angles_without_unit(angles: Angles) -> list[str]:
+    """Angles of more than a turn that are no whole degrees: degrees without their unit."""
     found = []
     for place, angle in angles:
         if angle is None or abs(angle) <= 2.0 * math.pi:

@@ -1001,3 +1001,24 @@ def test_slack_that_has_to_fold_what_lies_straight_is_told(
     model = cm.CableModel(scene)
     found = start_warnings(scene, model, model.state())
     assert any("until it has folded" in each for each in found) == told
+
+
+@pytest.mark.parametrize(
+    ("override", "place"),
+    [
+        ("bodies.depressor.foils.wing.deflection=10", "bodies.depressor.foils.wing.deflection"),
+        ("bodies.depressor.foils.tail.stall=15", "bodies.depressor.foils.tail.stall"),
+        ("bodies.depressor.attitude=[0, 0, 90]", "bodies.depressor.attitude"),
+        ("vessels.ship.attitude=[0, 0, 45]", "vessels.ship.attitude"),
+        (
+            "environment.waves={regular: {height: 1, period: 6, direction: 90}}",
+            "environment.waves.regular.direction",
+        ),
+    ],
+)
+def test_angles_of_a_system_without_their_unit_are_seen(override: str, place: str) -> None:
+    from cablemodel.systems import read_scene
+
+    scene = read_scene(ROOT / "scenes" / "systems" / "depressor.yaml", [override])
+    (told,) = (word for word in system_warnings(scene) if "turns" in word)
+    assert told.startswith(f"{place}: ")
