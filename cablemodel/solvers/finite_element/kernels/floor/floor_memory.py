@@ -24,9 +24,7 @@ from cablemodel.solvers.finite_element.kernels.floor.floor_surface import (
 from cablemodel.solvers.shared.access import body_of, edge_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import inlined, kernel
 
-LEFT_PRESSED = (
-    3.0  # times what is borne at rest by which a run leaves it pressed: folds would wander
-)
+LEFT_PRESSED = 3.0  # times what is borne at rest that a run leaves pressed, or folds wander
 SUPPORT_FASTEST = 3.0  # growth of what is borne for long, at most, in one change of it
 
 

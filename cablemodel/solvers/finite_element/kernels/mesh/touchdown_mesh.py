@@ -16,10 +16,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     ends_in_something,
     touchdown_layer,
 )
-from cablemodel.solvers.finite_element.kernels.floor.floor_memory import (
-    LEFT_PRESSED,
-    bear,
-)
+from cablemodel.solvers.finite_element.kernels.floor.floor_memory import LEFT_PRESSED, bear
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest_gap
 from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     at_fraction,
