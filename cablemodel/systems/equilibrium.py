@@ -180,7 +180,7 @@ class Equilibria:
             friction, state.friction = state.friction, 0.0
             frame = self.velocity.copy()
             try:
-                fallen = fall(block, frame, leaves.rate, leaves.motion, lambda _block: None)
+                fallen = fall(block, frame, leaves.rate, leaves.motion)
                 if fallen is None:
                     return None
                 state.friction = friction

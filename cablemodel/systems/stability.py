@@ -37,8 +37,8 @@ class Instability:
     frequency: float
     """At which it swings as it grows [rad/s]; 0: it falls."""
     motion: FloatArray
-    """Of places and slopes of the nodes, or turns of bodies, (nodes, 2, 3), as far as it is real: 1
-    where places move most, upward if they go up or down there."""
+    """Of places and slopes of the nodes, or turns of bodies, (nodes, 2, 3), as far as it is real:
+    the largest component of a place's is 1."""
     part: str
     """The line or the body that moves most."""
     arc: float
@@ -95,8 +95,8 @@ def instability(built: Built) -> Instability | None:
     bodies = block.array(Header.free_bodies, len(built.tree.bodies), at.FREE_WORDS)
     turns = bodies[:, at.FreeBody.size, None] * moves[built.body_nodes(), 1]
     moves = np.linalg.norm(moves[:, 0], axis=1)
-    furthest = motion[int(np.argmax(moves)), 0]
-    motion = motion / furthest[np.argmax(np.abs(furthest))]
+    most = motion[:, 0] if moves.any() else motion  # bodies may turn where they are
+    motion = motion / most.flat[np.argmax(np.abs(most))]
     moves[built.body_nodes()] += np.linalg.norm(turns, axis=1)
     part, arc = built.where(int(np.argmax(moves)))
     if block.scalars.time > 0.0:

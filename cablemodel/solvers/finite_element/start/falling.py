@@ -46,12 +46,16 @@ class Fallen:
     """Long steps move it no more; else it has not got there in the steps that it may take."""
 
 
+def _as_they_are(_block: Block) -> None:
+    """No other elements."""
+
+
 def fall(
     block: Block,
     frame: FloatArray,
     rate: float,
     motion: FloatArray,
-    finer: Callable[[Block], Block | None],
+    finer: Callable[[Block], Block | None] = _as_they_are,
 ) -> Fallen | None:
     """Push a block off its equilibrium, in place, and follow it; None: there is no way on.
 
@@ -66,7 +70,7 @@ def fall(
     length = float(block.scalars.length)
     slowest = slowest_growth(block)
     turned = float(np.linalg.norm(motion[:, 1], axis=1).max())
-    places = motion_of(block)
+    places = _motion_of(block)
     places += min(PUSH * length, UNSTABLE_TURN / max(turned, 1e-300)) * motion
     dt = UNSTABLE_SHARE / rate
     shortest = UNSTABLE_SHORTEST * dt
@@ -79,7 +83,7 @@ def fall(
         if moved == 0.0:  # it did not converge, or not without a fold
             other = finer(block)
             if other is not None:
-                block, places = other, motion_of(other)
+                block, places = other, _motion_of(other)
             dt *= FALLS_SHORTER
             if dt < shortest:
                 return None
@@ -90,7 +94,7 @@ def fall(
     return Fallen(block, rests=False)
 
 
-def motion_of(block: Block) -> FloatArray:
+def _motion_of(block: Block) -> FloatArray:
     """Places and slopes of the nodes, a view (nodes, 2, dimension) [m, -]."""
     dimension = int(block.header.dimension)
     return block.array(Header.position, int(block.header.nodes), 2, dimension)
