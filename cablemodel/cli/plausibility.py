@@ -340,7 +340,9 @@ def _part_angles(scene: SystemScene) -> Angles:
     found: Angles = []
     for name, vessel in scene.vessels.items():
         found += _path_angles(f"vessels.{name}", vessel)
-        found += [(f"vessels.{name}.attitude", angle) for angle in vessel.attitude]
+        if vessel.attitude is not None:
+            largest = np.abs(vessel.attitude.column("attitude")).max(axis=0)
+            found += [(f"vessels.{name}.attitude", float(angle)) for angle in largest]
     for name, body in scene.bodies.items():
         found += [(f"bodies.{name}.attitude", angle) for angle in body.attitude]
         for foil, wing in body.foils.items():
@@ -518,7 +520,23 @@ def system_start_warnings(model: SystemModel) -> list[str]:
             found += _stretched_at_start(scene, kind, line.tension_range[1], name)
     name = max(highest, key=lambda line: highest[line])
     found += _in_water_above(scene, f"lines.{name}", float(highest[name]))
-    return found + _held_too_softly(model)
+    return found + _parted_at_start(model) + _held_too_softly(model)
+
+
+def _parted_at_start(model: SystemModel) -> list[str]:
+    """Of what breaks above a tension that it has from the beginning on."""
+    found = []
+    for name, cut in model.scene.cuts.items():
+        line = model.lines[cut.line]
+        ends = {"start": 0.0, "end": model.scene.lines[cut.line].length}
+        arc = cut.at if isinstance(cut.at, float) else ends[cut.at]
+        tension = float(line.sample([arc]).tension[0])
+        if cut.tension is not None and tension > cut.tension:
+            found.append(
+                f"cuts.{name}: {cut.line} has {tension:.4g} N there at the start, and breaks at "
+                f"once above tension = {cut.tension:.4g} N"
+            )
+    return found
 
 
 def _held_too_softly(model: SystemModel) -> list[str]:

@@ -23,9 +23,9 @@ class DepthSurface:
 
     def __init__(self, x: FloatArray, y: FloatArray, z: FloatArray) -> None:
         self._x, self._y = x.tolist(), y.tolist()
-        along_x = _slopes(x, z)
-        along_y = _slopes(y, z.T).T
-        both = _slopes(y, along_x.T).T
+        along_x = monotone_slopes(x, z)
+        along_y = monotone_slopes(y, z.T).T
+        both = monotone_slopes(y, along_x.T).T
         self._along = z.tolist(), along_x.tolist()
         self._across = along_y.tolist(), both.tolist()
 
@@ -59,7 +59,7 @@ def _cubic(x: float, h: float, first: float, last: float, start: float, end: flo
     )
 
 
-def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:
+def monotone_slopes(x: FloatArray, z: FloatArray) -> FloatArray:
     """Slopes (nx, ...) of cubics through the rows of z over x that overshoot nowhere (PCHIP)."""
     if len(x) < 2:
         return np.zeros_like(z)

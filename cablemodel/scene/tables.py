@@ -1,11 +1,12 @@
-"""Tables that a scene names by file: CSV of any kind, and vessel velocity from an MCAP log."""
+"""Tables that a scene names by file: CSV of any kind, and a vessel's motion from an MCAP log."""
 
 from __future__ import annotations
 
 import csv
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_VELOCITY_TYPES = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped")
 _FAR_END = "/end_odom"
 """How the topic of the far end's motion ends, in the logs of this project."""
 _TOW_POINT = "/applied_odom"
@@ -43,13 +43,28 @@ def velocity_from_file(
     Raises:
         PydanticCustomError: no such file, or not a table of velocities.
     """
+    return _motion_from_file(name, context, topic, at, VELOCITIES)
+
+
+def attitudes_from_file(
+    name: str, context: Any, topic: str | None, at: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Times (n,) [s] and roll, pitch and yaw (n, 3) [rad] of a vessel; the rest is that of
+    `velocity_from_file`."""
+    times, values = _motion_from_file(name, context, topic, at, ATTITUDES)
+    return times, np.unwrap(values, axis=0)
+
+
+def _motion_from_file(
+    name: str, context: Any, topic: str | None, at: tuple[str, ...], kind: MotionInFile
+) -> tuple[FloatArray, FloatArray]:
     path = _found(name, context, at)
     if path.suffix.lower() == ".mcap":
-        return _velocity_from_mcap(path, topic, at, (context or {}).get("notes", []))
+        return _motion_from_mcap(path, topic, at, (context or {}).get("notes", []), kind)
     if topic is not None:
         allowed = "no topic with a CSV file"
         raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
-    columns = _columns_from_csv(path, ("t", "vx", "vy", "vz"), (), at)
+    columns = _columns_from_csv(path, ("t", *kind.columns), (), at)
     times = columns["t"]
     early = np.flatnonzero(np.diff(times) <= 0.0)
     if len(early):
@@ -57,7 +72,7 @@ def velocity_from_file(
         word = "twice the same t" if times[row] == times[row - 1] else "out of order: t"
         problem = f"row {row + 1} of {path.name}: {word} ({times[row]:g} after {times[row - 1]:g})"
         raise rejection(problem, "t rising from row to row", path.name, at)
-    return times, np.stack([columns[name] for name in ("vx", "vy", "vz")], axis=1)
+    return times, np.stack([columns[name] for name in kind.columns], axis=1)
 
 
 def table_from_file(
@@ -164,27 +179,23 @@ def _cells(
     return np.array(rows).reshape(-1, len(places))
 
 
-def _velocity_from_mcap(
-    path: Path, topic: str | None, at: tuple[str, ...], notes: list[str]
+def _motion_from_mcap(
+    path: Path, topic: str | None, at: tuple[str, ...], notes: list[str], kind: MotionInFile
 ) -> tuple[FloatArray, FloatArray]:
-    """Velocity over time from Odometry or TwistStamped messages; t = 0 is the first one's stamp.
-
-    Odometry gives its twist in the child frame, so it is turned by the pose; TwistStamped is taken
-    to be in the map frame.
-    """
+    """Times and values of the messages on a topic; t = 0 is the first one's stamp."""
     from mcap.reader import make_reader
     from rosbags.typesys import Stores, get_typestore
 
-    allowed = f"an MCAP file with a topic of {' or '.join(_VELOCITY_TYPES)} in CDR"
+    allowed = f"an MCAP file with a topic of {' or '.join(kind.types)} in CDR"
     try:
         with path.open("rb") as stream:
             reader = make_reader(stream)
             summary = reader.get_summary()
-            offered = _velocity_topics(summary)
-            chosen = _chosen(offered, topic, path, allowed, at, notes)
+            offered = _topics_of(summary, kind)
+            chosen = _chosen(offered, topic, path, allowed, at, notes, kind)
             types = get_typestore(Stores.ROS2_JAZZY)
             rows = [
-                _row(types, offered[chosen], message.data)
+                _row(types, offered[chosen], message.data, kind)
                 for _, _, message in reader.iter_messages(topics=[chosen])
             ]
     except _RefusedError as refused:
@@ -196,14 +207,14 @@ def _velocity_from_mcap(
         raise rejection(f"{path.name} has no message on {chosen}", allowed, path.name, at)
     start = rows[0][0]
     times: list[float] = []
-    for stamp, velocity in rows:
+    for stamp, value in rows:
         seconds = (stamp - start) * 1e-9
-        if not all(map(math.isfinite, velocity)) or (times and seconds <= times[-1]):
+        if not all(map(math.isfinite, value)) or (times and seconds <= times[-1]):
             problem = f"{chosen} in {path.name}, {seconds:g} s after its start: "
-            problem += "the velocity is not finite, or the time stamp does not rise"
+            problem += f"the {kind.word} is not finite, or the time stamp does not rise"
             raise rejection(problem, allowed, path.name, at)
         times.append(seconds)
-    return np.array(times), np.array([velocity for _, velocity in rows], dtype=np.float64)
+    return np.array(times), np.array([value for _, value in rows], dtype=np.float64)
 
 
 class _RefusedError(Exception):
@@ -214,12 +225,12 @@ class _RefusedError(Exception):
         self.rejection = rejection(problem, allowed, value, at)
 
 
-def _velocity_topics(summary: Any) -> dict[str, str]:
-    """Message type by topic, for the topics that can give a velocity."""
+def _topics_of(summary: Any, kind: MotionInFile) -> dict[str, str]:
+    """Message type by topic, for the topics that can give it."""
     topics = {}
     for channel in summary.channels.values() if summary is not None else ():
         schema = summary.schemas.get(channel.schema_id)
-        if channel.message_encoding == "cdr" and schema and schema.name in _VELOCITY_TYPES:
+        if channel.message_encoding == "cdr" and schema and schema.name in kind.types:
             topics[channel.topic] = schema.name
     return topics
 
@@ -231,6 +242,7 @@ def _chosen(
     allowed: str,
     at: tuple[str, ...],
     notes: list[str],
+    kind: MotionInFile,
 ) -> str:
     names = ", ".join(sorted(offered)) or "none"
     if topic is None and offered:
@@ -241,37 +253,58 @@ def _chosen(
             chosen = kept[0]
             if chosen.endswith(_FAR_END):
                 notes.append(
-                    f"vessel.velocity: the tow point moves as the far end of the line in "
-                    f"{path.name} did, by the topic {chosen}: it is the only one with velocities "
+                    f"{kind.place}: the tow point moves as the far end of the line in "
+                    f"{path.name} did, by the topic {chosen}: it is the only one with {kind.words} "
                     "there"
                 )
             elif len(offered) > 1:
                 notes.append(
-                    f"vessel.velocity: the topic {chosen} is taken from {path.name}, of {names}"
+                    f"{kind.place}: the topic {chosen} is taken from {path.name}, of {names}"
                 )
             return chosen
     if topic is None:
-        problem = f"{path.name} has {len(offered)} topics with velocities ({names})"
+        problem = f"{path.name} has {len(offered)} topics with {kind.words} ({names})"
         raise _RefusedError(problem, "topic: one of them" if offered else allowed, path.name, at)
     if topic not in offered:
         where = (*at[:-1], "topic")
-        raise _RefusedError(f"{path.name} has no such topic with velocities", names, topic, where)
+        raise _RefusedError(f"{path.name} has no such topic with {kind.words}", names, topic, where)
     return topic
 
 
-def _row(types: Typestore, type_name: str, data: bytes) -> tuple[int, tuple[float, float, float]]:
-    """Time stamp [ns] and velocity (3,) [m/s] in the fixed frame of one message."""
+def _row(
+    types: Typestore, type_name: str, data: bytes, kind: MotionInFile
+) -> tuple[int, tuple[float, float, float]]:
+    """Time stamp [ns] and value (3,) of one message."""
     message: Any = types.deserialize_cdr(data, type_name)
     stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+    return stamp, kind.value(message, type_name)
+
+
+def _velocity(message: Any, type_name: str) -> tuple[float, float, float]:
+    """Velocity [m/s] in the fixed frame. Odometry gives its twist in the child frame, so it is
+    turned by the pose; TwistStamped is taken to be in the map frame."""
     if type_name == "geometry_msgs/msg/TwistStamped":
         linear = message.twist.linear
-        return stamp, (linear.x, linear.y, linear.z)
+        return linear.x, linear.y, linear.z
     linear = message.twist.twist.linear
     velocity = (linear.x, linear.y, linear.z)
     if message.child_frame_id in ("", message.header.frame_id):
-        return stamp, velocity
+        return velocity
     turn = message.pose.pose.orientation
-    return stamp, _turned(velocity, (turn.x, turn.y, turn.z, turn.w))
+    return _turned(velocity, (turn.x, turn.y, turn.z, turn.w))
+
+
+def _attitude(message: Any, type_name: str) -> tuple[float, float, float]:
+    """Roll, pitch and yaw [rad] of the orientation in the fixed frame."""
+    from scipy.spatial.transform import Rotation
+
+    holder = message if type_name == "sensor_msgs/msg/Imu" else message.pose
+    turn = (holder.pose if type_name == "nav_msgs/msg/Odometry" else holder).orientation
+    quaternion = (turn.x, turn.y, turn.z, turn.w)
+    if not any(quaternion):  # it was never filled in
+        return math.nan, math.nan, math.nan
+    roll, pitch, yaw = Rotation.from_quat(quaternion).as_euler("xyz")
+    return float(roll), float(pitch), float(yaw)
 
 
 def _turned(
@@ -290,3 +323,29 @@ def _turned(
         b + (w * t[1] + z * t[0] - x * t[2]) / norm,
         c + (w * t[2] + x * t[1] - y * t[0]) / norm,
     )
+
+
+@dataclass(frozen=True)
+class MotionInFile:
+    """What a file gives of a vessel's motion over time."""
+
+    place: str
+    """Key of the scene."""
+    word: str
+    words: str
+    columns: tuple[str, str, str]
+    """Of a CSV file, SI."""
+    types: tuple[str, ...]
+    """Of messages."""
+    value: Callable[[Any, str], tuple[float, float, float]]
+    """Of a message, by its type."""
+
+
+VELOCITIES = MotionInFile(
+    "vessel.velocity", "velocity", "velocities", ("vx", "vy", "vz"),
+    ("nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped"), _velocity,
+)  # fmt: skip
+ATTITUDES = MotionInFile(
+    "attitude", "attitude", "orientations", ("roll", "pitch", "yaw"),
+    ("nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/Imu"), _attitude,
+)  # fmt: skip

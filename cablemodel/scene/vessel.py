@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -34,8 +35,10 @@ from cablemodel.scene.base import (
 from cablemodel.scene.line import Connection, LineItem
 from cablemodel.scene.motion import VesselMotion
 from cablemodel.scene.rows import Rows
-from cablemodel.scene.tables import velocity_from_file
+from cablemodel.scene.tables import VELOCITIES, MotionInFile, velocity_from_file
 from cablemodel.scene.units import Quantity, Vector, not_one_of, rejection
+
+FloatArray = NDArray[np.float64]
 
 _FILE_NAME = re.compile(r"\.[A-Za-z]\w{0,5}\s*$")
 _SAME_HEADING = 1e-6
@@ -49,18 +52,26 @@ class VelocityPoint(SceneModel):
     velocity: Velocity = Field(description="velocity of the tow point")
 
 
-def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
-    """Rows of a table from its short forms: one vector, or a file."""
+Reader = Callable[[str, Any, str | None, tuple[str, ...]], tuple[FloatArray, FloatArray]]
+"""Times and vectors from a file: tables.velocity_from_file, or another of its kind."""
+
+
+def rows_over_time(
+    value: Any, info: ValidationInfo, point: type[SceneModel], read: Reader, as_in: str
+) -> Any:
+    """Rows of a table of vectors over time from its short forms: one vector, or a file.
+
+    point: a row, of t and the vector. as_in: an example of that.
+    """
+    key = next(name for name in point.model_fields if name != "t")
     if isinstance(value, np.ndarray) or (
         isinstance(value, (list, tuple))
         and value
         and not any(isinstance(item, (Mapping, SceneModel)) for item in value)
     ):
-        return [{"t": 0.0, "velocity": Vector("m/s")(value)}]
-    allowed = (
-        "a vector [x, y, z] in m/s, as [5 kn, 0, 0], a list of {t, velocity}, or {file: NAME} with "
-        "an optional topic"
-    )
+        (unit,) = point.model_fields[key].metadata
+        return [{"t": 0.0, key: unit(value)}]
+    allowed = f"a vector {as_in}, a list of {{t, {key}}}, or {{file: NAME}} with an optional topic"
     if isinstance(value, str) and _FILE_NAME.search(value):
         problem = f"{shown(value)} is a text; a file is named by {{file: {value}}}"
         raise rejection(problem, allowed, value)
@@ -73,27 +84,35 @@ def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
     topic = value.get("topic")
     if topic is not None and not isinstance(topic, str):
         raise rejection(f"{shown(topic)} is not a text", "name of a topic", topic, ("topic",))
-    times, velocities = velocity_from_file(value["file"], info.context, topic, ("file",))
-    return Rows(VelocityPoint, {"t": times, "velocity": velocities})
+    times, vectors = read(value["file"], info.context, topic, ("file",))
+    return Rows(point, {"t": times, key: vectors})
 
 
-_FILE_FORM: JsonDict = {
-    "type": "object",
-    "properties": {
-        "file": {
-            "type": "string",
-            "description": "instead of vector or table: a CSV file with the columns t, vx, vy, vz "
-            "in SI, or an MCAP log with velocities",
+def _velocity_rows(value: Any, info: ValidationInfo) -> Any:
+    example = "[x, y, z] in m/s, as [5 kn, 0, 0]"
+    return rows_over_time(value, info, VelocityPoint, velocity_from_file, example)
+
+
+def file_form(kind: MotionInFile) -> JsonDict:
+    """Schema of {file, topic}."""
+    types = [name.rpartition("/")[2] for name in kind.types]
+    return {
+        "type": "object",
+        "properties": {
+            "file": {
+                "type": "string",
+                "description": "instead of vector or table: a CSV file with the columns t, "
+                f"{', '.join(kind.columns)} in SI, or an MCAP log with {kind.words}",
+            },
+            "topic": {
+                "type": "string",
+                "description": f"topic of the MCAP log, of {', '.join(types[:-1])} or {types[-1]}; "
+                "needed where it has more than one",
+            },
         },
-        "topic": {
-            "type": "string",
-            "description": "topic of the MCAP log, of Odometry or TwistStamped; needed where it "
-            "has more than one",
-        },
-    },
-    "required": ["file"],
-    "additionalProperties": False,
-}
+        "required": ["file"],
+        "additionalProperties": False,
+    }
 
 
 class Straight(SceneModel):
@@ -202,7 +221,7 @@ class Vessel(SceneModel):
         description="velocity of the tow point: one vector, a table over time that holds its first "
         "and last value, or a file: CSV with the columns t, vx, vy, vz in SI, or MCAP with an "
         "Odometry or TwistStamped topic; none: at rest",
-        json_schema_extra=also(Vector("m/s").json_schema(), _FILE_FORM),
+        json_schema_extra=also(Vector("m/s").json_schema(), file_form(VELOCITIES)),
     )
     interpolation: Literal["linear", "cubic"] = Field(
         default="linear",

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.solvers.shared.numbers import NO_SIZE
-from cablemodel.systems.guess import Guess, axes_of, held_place, standing
+from cablemodel.systems.guess import Guess, held_place, standing
 from cablemodel.systems.lines import bends_at
-from cablemodel.systems.motion import first_angles
+from cablemodel.systems.motion import axes_of, first_angles
 from cablemodel.systems.scene import SystemScene
 
 FloatArray = NDArray[np.float64]

@@ -234,7 +234,7 @@ class Equilibria:
             status = continuation.first_of(block, ways)
             if status != at.OK:
                 line, arc = built.where(min(block.failed_node, built.nodes - 1))
-                advice = without_shape(self.scene)
+                advice = without_shape(self.scene) + held_by_nothing(self.scene)
                 raise StaticsError(
                     f"no static equilibrium of the system was found; what moved last is {line!r} "
                     f"at {arc:g} m. Check weights, lengths and attachments{advice}"
@@ -286,6 +286,14 @@ def _overturned(built: Built, guess: Guess) -> list[str]:
     upright = np.array([guess.axes[name] for name in built.scene.bodies])
     over = np.sum(axes[:, :, 2] * upright[:, :, 2], axis=1) < 0.0
     return [name for name, is_over in zip(built.scene.bodies, over, strict=True) if is_over]
+
+
+def held_by_nothing(scene: SystemScene) -> str:
+    """Advice about lines that are tied to no vessel or anchor."""
+    found = [name for name in scene.lines if not scene.held_with(name)]
+    if not found:
+        return ""
+    return f"; nothing holds {' and '.join(found)}: no vessel and no anchor is tied to them"
 
 
 def without_shape(scene: SystemScene) -> str:

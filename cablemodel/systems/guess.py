@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.systems.motion import first_angles
+from cablemodel.systems.motion import axes_of, first_angles
 from cablemodel.systems.scene import LineEnd, SystemScene
 
 if TYPE_CHECKING:
@@ -55,13 +55,6 @@ NO_LOAD = 1e-9
 """Added to all loads together [N]: there may be none."""
 SHAKEN = 1e-3
 """Of the shortest string: by what places are moved at random before the first step."""
-
-
-def axes_of(attitude: tuple[float, float, float]) -> FloatArray:
-    """Axes (3, 3), in columns, from roll, pitch and yaw: Rz Ry Rx."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_euler("xyz", attitude).as_matrix(), dtype=np.float64)
 
 
 def _lowest(

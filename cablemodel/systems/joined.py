@@ -17,8 +17,9 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.solvers.shared.numbers import SAME_PLACE
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import Guess, axes_of
+from cablemodel.systems.guess import Guess
 from cablemodel.systems.lays import Lay
+from cablemodel.systems.motion import axes_of
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tables import filled
 from cablemodel.systems.tree import tree_of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,24 +26,63 @@ _SAME = 1e-12
 """Jump of a heading [rad] that is rounding."""
 
 
+def axes_of(attitude: Sequence[float] | FloatArray) -> FloatArray:
+    """Axes (3, 3), in columns, from roll, pitch and yaw: Rz Ry Rx."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_euler("xyz", attitude).as_matrix(), dtype=np.float64)
+
+
 def turning(vessel: VesselFrame) -> FloatArray:
     """Pieces of roll, pitch and yaw over time, (n, PIECE_WORDS).
 
-    Along a path the yaw is that of the track, averaged over `turn_time`; the attitude of the scene
-    is added. Else it stays as it is.
+    Those of the scene's attitude; along a path the heading of the track, averaged over
+    `turn_time`, is added to the yaw.
     """
-    if vessel.path is None:
-        yaw = np.zeros((1, _TRACK_WORDS))
-        yaw[0, 1] = math.inf
-    else:
-        yaw = averaged(headings(vessel), turn_time(vessel))
-    found = np.zeros((len(yaw), at.PIECE_WORDS))
-    found[:, at.Piece.start], found[:, at.Piece.end] = yaw[:, 0], yaw[:, 1]
+    starts, powers = attitudes(vessel)
+    if vessel.path is not None:
+        track = averaged(headings(vessel), turn_time(vessel))
+        both = np.union1d(starts, track[:, 0])
+        powers = _about(both, starts, powers)
+        powers[:, :, 2] += _about(both, track[:, 0], track[:, 2:, None])[:, :, 0]
+        starts = both
+    found = np.zeros((len(starts), at.PIECE_WORDS))
+    found[:, at.Piece.start], found[:, at.Piece.end] = starts, np.append(starts[1:], math.inf)
     data = found[:, at.Piece.data :]
-    data[:, 0:2] = vessel.attitude[:2]
-    data[:, 2 : 3 * (DEGREE + 1) : 3] = yaw[:, 2:]
-    data[:, 2] += vessel.attitude[2]
+    data[:, : 3 * (DEGREE + 1)] = powers.reshape(len(starts), -1)
     return found
+
+
+def attitudes(vessel: VesselFrame) -> tuple[FloatArray, FloatArray]:
+    """Pieces of the scene's roll, pitch and yaw: when they begin (n,) [s], and coefficients of the
+    powers of the time since then (n, DEGREE + 1, 3) [rad, rad/s, ...].
+
+    Between the rows of a table a twice differentiable cubic, at rest at its ends, where it is held.
+    """
+    if vessel.attitude is None:
+        return np.zeros(1), np.zeros((1, DEGREE + 1, 3))
+    times, angles = vessel.attitude.column("t"), vessel.attitude.column("attitude")
+    powers = np.zeros((len(times), DEGREE + 1, 3))
+    powers[:, 0] = angles
+    if len(times) > 1:
+        from scipy.interpolate import CubicSpline
+
+        powers[:-1, :4] = CubicSpline(times, angles, bc_type="clamped").c[::-1].transpose(1, 0, 2)
+    first = int(np.searchsorted(times, 0.0, side="right")) - 1
+    if first < 0:
+        held = np.zeros((1, DEGREE + 1, 3))
+        held[0, 0] = angles[0]
+        return np.append(0.0, times), np.concatenate([held, powers])
+    starts = np.append(0.0, times[first + 1 :])
+    return starts, _about(starts, times, powers)
+
+
+def _about(starts: FloatArray, times: FloatArray, powers: FloatArray) -> FloatArray:
+    """Coefficients (n, DEGREE + 1, k) of pieces that begin at `starts` (n,), of others (m, ...)
+    that begin at `times` (m,), among them all of those after the first start."""
+    which = np.searchsorted(times, starts, side="right") - 1
+    found = _moved(np.moveaxis(powers[which], 1, 0), (starts - times[which])[:, None])
+    return np.moveaxis(found, 0, 1)
 
 
 def headings(vessel: VesselFrame) -> FloatArray:
@@ -143,9 +183,9 @@ def _ramps(jump: FloatArray, half: float) -> FloatArray:
     return found
 
 
-def _moved(powers: FloatArray, tau: float) -> FloatArray:
-    """Coefficients about a time that is tau later."""
-    found = np.zeros(len(powers))
+def _moved(powers: FloatArray, tau: float | FloatArray) -> FloatArray:
+    """Coefficients, by powers first, about a time that is tau later."""
+    found = np.zeros_like(powers)
     for k, factor in enumerate(powers):
         for n in range(k + 1):
             found[n] += math.comb(k, n) * tau ** (k - n) * factor
@@ -159,5 +199,5 @@ def _exactly(time: float, span: float) -> float:
 
 def first_angles(vessel: VesselFrame) -> tuple[float, float, float]:
     """Roll, pitch and yaw at t = 0 [rad]."""
-    yaw = at.Polynomial(turning(vessel)[0], at.Piece.data.word).position[2]
-    return vessel.attitude[0], vessel.attitude[1], float(yaw)
+    roll, pitch, yaw = at.Polynomial(turning(vessel)[0], at.Piece.data.word).position
+    return float(roll), float(pitch), float(yaw)

@@ -14,8 +14,8 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.solvers.shared.numbers import NO_SIZE
 from cablemodel.systems.built import Built, Shape
-from cablemodel.systems.guess import Guess, axes_of
-from cablemodel.systems.motion import first_angles
+from cablemodel.systems.guess import Guess
+from cablemodel.systems.motion import axes_of, first_angles
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 

@@ -9,7 +9,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic.config import JsonDict
 
 from cablemodel.errors import SceneProblem, shown
@@ -21,16 +28,21 @@ from cablemodel.scene.base import (
     Length,
     Position,
     SceneModel,
+    Seconds,
     UnitVector,
     also,
+    in_order_of,
 )
+from cablemodel.scene.depth_table import monotone_slopes
 from cablemodel.scene.environment import Environment, Floor
 from cablemodel.scene.line import Cable, CableType, Connection, LineItem
+from cablemodel.scene.rows import Rows
 from cablemodel.scene.schema import Document, RunSettings, Solver
-from cablemodel.scene.tables import rows_from_file
+from cablemodel.scene.tables import ATTITUDES, attitudes_from_file, rows_from_file
 from cablemodel.scene.units import Quantity, Vector, not_one_of, rejection, several
-from cablemodel.scene.vessel import RatePoint, RateTable, Vessel
-from cablemodel.systems.motion import first_turn
+from cablemodel.scene.vessel import RatePoint, RateTable, Vessel, file_form, rows_over_time
+from cablemodel.solvers.shared.curves import hermite
+from cablemodel.systems.motion import axes_of, first_angles, first_turn
 
 FloatArray = NDArray[np.float64]
 
@@ -43,6 +55,8 @@ ALONG_CHORD = 1e-6
 """Sine between chord and span of a foil that is none."""
 STALL_BEGINS, STALL_LASTS = 0.75, 0.5
 """Of the stall angle: where the flow begins to part, and within what it has."""
+WING_ROWS = 361
+"""Of a thin wing's table: one a degree."""
 INERTIA_ROUNDED = 1e-9
 """Of a moment of inertia: by what rounding may make it larger than the sum of the others."""
 
@@ -72,6 +86,18 @@ class RaoPoint(SceneModel):
     yaw_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
 
 
+class AttitudePoint(SceneModel):
+    """Attitude of a vessel at one time."""
+
+    t: Seconds = Field(description="time")
+    attitude: Attitude = Field(description="roll, pitch and yaw")
+
+
+def _attitude_rows(value: Any, info: ValidationInfo) -> Any:
+    example = "[roll, pitch, yaw] in rad, as [0, 5 deg, 0]"
+    return rows_over_time(value, info, AttitudePoint, attitudes_from_file, example)
+
+
 def _rao_rows(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, str):
         given = ("heading_deg", "period")
@@ -94,9 +120,17 @@ class VesselFrame(Vessel):
         default=Connection.model_validate("pinned"),
         description="pinned: a line is clamped where it begins or ends, by clamped there",
     )
-    attitude: Attitude = Field(
-        default=(0.0, 0.0, 0.0),
-        description="roll, pitch and yaw at t = 0, about its x, y and z axes: R = Rz Ry Rx",
+    attitude: Annotated[
+        Rows[AttitudePoint] | None,
+        AfterValidator(lambda rows: rows if rows is None else in_order_of("t")(rows)),
+        BeforeValidator(_attitude_rows),
+    ] = Field(
+        default=None,
+        description="roll, pitch and yaw about its axes, R = Rz Ry Rx: one vector, a table over "
+        "time that holds its first and last value, twice differentiable, or a file: CSV with the "
+        "columns t, roll, pitch, yaw in SI, or MCAP with an Odometry, PoseStamped or Imu topic; "
+        "along a path yaw is added to the heading; none: 0",
+        json_schema_extra=also(Vector("rad").json_schema(), file_form(ATTITUDES)),
     )
     turn_time: Duration | None = Field(
         default=None,
@@ -113,6 +147,11 @@ class VesselFrame(Vessel):
         "the rows, or these; of headings from 0 to 180 the others are mirror images",
         json_schema_extra=also({"type": "string"}),
     )
+
+    def place_at_start(self, own: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Place at t = 0 [m] of a point in its own axes."""
+        x, y, z = np.array(self.position) + axes_of(first_angles(self)) @ own
+        return float(x), float(y), float(z)
 
     @field_validator("connection")
     @classmethod
@@ -171,7 +210,7 @@ class Foil(SceneModel):
     table: tuple[tuple[float, float, float], ...] | None = Field(
         default=None,
         description="instead of a thin wing: rows of angle of attack in degrees, lift and drag "
-        "coefficient, from -180 to 180",
+        "coefficient, from -180 to 180; between them cubics that overshoot nowhere (PCHIP)",
     )
 
     @model_validator(mode="after")
@@ -191,15 +230,30 @@ class Foil(SceneModel):
         return self
 
     def coefficients(self, angles: FloatArray) -> FloatArray:
-        """Lift and drag coefficients (n, 2) at angles of attack (n,) [rad].
+        """Lift and drag coefficients (n, 2) at angles of attack (n,) [rad], from -pi to pi."""
+        rows = self.rows()
+        found, _slope = hermite(angles, rows[:, 0], rows[:, 1::2].T, rows[:, 2::2].T)
+        return found.T
 
-        A thin wing of finite span (lifting-line theory) up to the stall; beyond it a flat plate
-        across the flow, with two quarters of the stall angle in between.
+    def rows(self) -> FloatArray:
+        """The coefficients as solvers have them: angle of attack [rad], lift, its derivative
+        [1/rad], drag, its derivative, (n, 5); cubic between rows."""
+        if self.table is None:
+            angles = np.linspace(-math.pi, math.pi, WING_ROWS)
+            values = self._thin_wing(angles)
+        else:
+            given = np.array(self.table)
+            angles, values = np.radians(given[:, 0]), given[:, 1:]
+        slopes = monotone_slopes(angles, values)
+        columns = angles, values[:, 0], slopes[:, 0], values[:, 1], slopes[:, 1]
+        return np.column_stack(columns)
+
+    def _thin_wing(self, angles: FloatArray) -> FloatArray:
+        """Lift and drag coefficients (n, 2) of a thin wing at angles of attack (n,) [rad].
+
+        Of finite span (lifting-line theory) up to the stall; beyond it a flat plate across the
+        flow, with two quarters of the stall angle in between.
         """
-        if self.table is not None:
-            rows = np.array(self.table)
-            at = np.degrees(angles)
-            return np.column_stack([np.interp(at, rows[:, 0], rows[:, k]) for k in (1, 2)])
         slope = 2.0 * math.pi * self.aspect_ratio / (self.aspect_ratio + 2.0)
         folded = np.arcsin(np.sin(angles))  # flow from behind meets a plate alike
         lift = slope * np.sin(folded) * np.cos(folded)
@@ -378,7 +432,8 @@ class LineEnd(SceneModel):
         if (self.line is None) != (self.at is None):
             raise rejection("line and at belong together", "both or none")
         if self.clamped is not None and self.point is None:
-            raise rejection("only a point holds a clamp", "point with clamped")
+            allowed = "a point with clamped; for an anchor that of a vessel which does not move"
+            raise rejection("only a point holds a clamp", allowed)
         return self
 
 
@@ -644,6 +699,9 @@ class SystemScene(Document):
 
     def _problems(self) -> Iterator[SceneProblem]:
         named: dict[str, str] = {}
+        if self.solver.method != "finite_element":
+            problem = f"{self.solver.method} computes one line below one point"
+            yield SceneProblem("solver.method", self.solver.method, problem, "finite_element")
         for kind in ("vessels", "bodies", "lines", "cuts", "winches"):
             for name in getattr(self, kind):
                 if name in named:
@@ -765,6 +823,14 @@ class SystemScene(Document):
                     problem = "it lies below the sea floor"
                     allowed = f"z of at least {height:g} m there"
                     yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
+        for name, vessel in self.vessels.items():
+            for point, own in vessel.points.items():
+                x, y, z = vessel.place_at_start(own)
+                height = floor.height(x, y)
+                if z < height - ON_FLOOR * self.line_length:
+                    problem = f"it is at z = {z:g} m at t = 0, below the sea floor"
+                    allowed = f"z of at least {height:g} m there, with position and attitude"
+                    yield SceneProblem(f"vessels.{name}.points.{point}", own, problem, allowed)
 
     def _end_problems(
         self, name: str, path: str, end: LineEnd, used: set[str]

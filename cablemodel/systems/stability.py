@@ -72,17 +72,20 @@ def instability(built: Built) -> Instability | None:
     """
     block = built.block
     least = slowest_growth(block)
+    whole = block.image.copy()
+    block.scalars.bristles_damped = 0.0  # that is for steps
     kept = block.image.copy()
     growing = entry.count_growing(block.ints, block.reals, least)
-    block.image[:] = kept
+    block.image[:] = whole
     if growing == 0 and block.header.foil_count == 0:
         return None
+    block.image[:] = kept
     work = np.zeros(entry.count_swinging(block.ints, block.reals, least, np.zeros(1)))
     if entry.count_swinging(block.ints, block.reals, least, work) < 1:
-        block.image[:] = kept
+        block.image[:] = whole
         return None
     mass, damping, stiffness = matrices(block)  # with what is pressed lifted
-    block.image[:] = kept
+    block.image[:] = whole
     coupled = work[: 6 * built.nodes * at.MOTIONS].reshape(at.MOTIONS, -1)
     coupled = coupled[np.any(coupled != 0.0, axis=1)].T
     quick = 2.0 * math.pi / block.scalars.period if block.scalars.time > 0.0 else 0.0

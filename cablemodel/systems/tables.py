@@ -26,14 +26,14 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
 from cablemodel.systems.built import Built
-from cablemodel.systems.guess import Guess, axes_of, standing
+from cablemodel.systems.guess import Guess, standing
 from cablemodel.systems.lines import (
     bends_at,
     memory_of_bodies,
     mesh_may_change,
     tension_scale,
 )
-from cablemodel.systems.motion import turning
+from cablemodel.systems.motion import axes_of, turning
 from cablemodel.systems.scene import FreeBody, Hull, RaoPoint, SystemScene
 from cablemodel.systems.tree import Tree
 
@@ -77,7 +77,7 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
         free_bodies=len(scene.bodies),
         arms=len(tree.arms),
         foils=len(foils),
-        foil_words=2 * at.FOIL_ANGLES * len(foils),
+        foil_words=at.FOIL_ROW_WORDS * sum(len(foil.rows()) for foil in foils),
         cuts=len(scene.cuts),
         rao_words=rao_words(scene, water),
         feet=len(feet_of(scene)),
@@ -419,8 +419,9 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
     rho, gravity = scene.environment.water_density, scene.environment.gravity
     rows = block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)
     foils = block.array(Header.foils, int(block.header.foil_count), at.FOIL_WORDS)
-    tables = block.array(Header.foil_table, len(foils), at.FOIL_ANGLES, 2)
-    used = 0
+    rows_of_foils = int(block.header.foil_words) // at.FOIL_ROW_WORDS
+    table = block.array(Header.foil_table, rows_of_foils, at.FOIL_ROW_WORDS)
+    used = tabled = 0
     names = list(scene.bodies)
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
     for index, (row, (name, body)) in enumerate(zip(rows, scene.bodies.items(), strict=True)):
@@ -467,11 +468,13 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
             wing[at.Foil.span.span] = span / np.linalg.norm(span)
             wing[at.Foil.area] = 0.5 * rho * foil.area
             wing[at.Foil.reach] = 0.5 * math.sqrt(foil.area)
-            wing[at.Foil.table] = 2 * at.FOIL_ANGLES * used
+            coefficients = foil.rows()
+            wing[at.Foil.table] = at.FOIL_ROW_WORDS * tabled
+            wing[at.Foil.rows] = len(coefficients)
+            table[tabled : tabled + len(coefficients)] = coefficients
+            tabled += len(coefficients)
             turned = at.Foil(wing, 0).deflection
             turned.first = turned.last = foil.deflection
-            angles = np.linspace(-math.pi, math.pi, at.FOIL_ANGLES)
-            tables[used] = foil.coefficients(angles)
             used += 1
     arms = block.array(Header.arms, len(tree.arms), at.ARM_WORDS)
     for row, (node, name, point) in zip(arms, tree.arms, strict=True):

@@ -9,7 +9,9 @@ import pytest
 from system_to_steer import SCENE
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import system_start_warnings
 from cablemodel.scene import apply_overrides
+from cablemodel.systems import SystemModel
 
 
 @pytest.mark.parametrize(
@@ -44,6 +46,16 @@ from cablemodel.scene import apply_overrides
             "vessels.ship.connection={clamped: [0, 0, -1]}",
             "vessels.ship.connection",
             "lines have clamps, not the vessel; allowed: pinned; from: {point: VESSEL.POINT",
+        ),
+        (
+            "solver={method: direct_integration}",
+            "solver.method",
+            "direct_integration computes one line below one point; allowed: finite_element",
+        ),
+        (
+            "lines.tether.to={anchor: [0, 0, -9], clamped: [1, 0, 0]}",
+            "lines.tether.to",
+            "only a point holds a clamp; allowed: a point with clamped; for an anchor that of a",
         ),
         (
             "bodies.cage.submerged_weight=null",
@@ -104,6 +116,30 @@ def test_a_wrong_motion_of_a_vessel_is_told(vessels: Any, words: str) -> None:
         model.step(0.1, vessels=vessels)
     assert words in str(caught.value)
     assert model.time == 0.0
+
+
+def test_a_fairlead_below_the_floor_is_told() -> None:
+    changes = ["environment.floor={z: -30}", "vessels.ship.position=[0, 0, -40]"]
+    with pytest.raises(cm.SceneError, match=r"vessels\.ship\.points\.\w+: .*below the sea floor"):
+        cm.load_system(apply_overrides(SCENE, changes))
+
+
+@pytest.mark.filterwarnings("ignore:Matrix is exactly singular")
+def test_lines_that_nothing_holds_are_named() -> None:
+    """Two branches, each of the other: the file is consistent, and they sink for ever."""
+    scene = apply_overrides(SCENE, ["title=Two of each other"])
+    cable = [{"cable": {"type": "wire", "length": 10}}]
+    for name, other in (("one", "two"), ("two", "one")):
+        scene["lines"][name] = {"from": {"line": other, "at": 5}, "to": "free", "items": cable}
+    with pytest.raises(cm.StaticsError, match="nothing holds one and two"):
+        SystemModel(scene)
+
+
+def test_check_tells_of_a_link_that_is_too_weak_for_its_start() -> None:
+    for tension, told in ((1e3, True), (1e6, False)):
+        cut = f"cuts.weak_link={{line: umbilical, at: end, tension: {tension}}}"
+        words = "".join(system_start_warnings(SystemModel(apply_overrides(SCENE, [cut]))))
+        assert ("cuts.weak_link: umbilical has 2" in words) == told
 
 
 def test_one_cut_may_stand_alone_also_where_it_is_recorded() -> None:

@@ -85,8 +85,8 @@ def test_a_steady_lay_starts_with_the_tension_of_its_lay(
     top, _length = independent(kind, knots, rate, bottom, rise, straight=True)
     assert model.top_tension == pytest.approx(top, rel=5e-3)
     before, tops = model.top_tension, []
-    for second in range(1, 11):
-        model.step_to(float(second))
+    for tenth in range(1, 101):
+        model.step_to(0.1 * tenth)
         tops.append(model.top_tension)
     # Their mean: each element that lands lets tensions jump by less than is promised.
     assert np.mean(tops) == pytest.approx(before, rel=2e-2)

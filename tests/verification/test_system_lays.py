@@ -21,8 +21,8 @@ from scipy.integrate import solve_ivp
 import cablemodel as cm
 from cablemodel.errors import SceneError
 from cablemodel.systems import SystemModel
-from cablemodel.systems.guess import axes_of
 from cablemodel.systems.model import LineView
+from cablemodel.systems.motion import axes_of
 from tests.verification.references.lays import (
     ARMOURED,
     DENSITY,
@@ -157,8 +157,6 @@ def test_a_lay_is_that_of_its_line_alone(
     """At its start and for 40 s, from a ship with an attitude beside a line with a load."""
     scene, _rate = lay(kind, knots, depth, bending=bending, slope=slope, slack=slack)
     length, single = scene.line_length, cm.CableModel(scene)
-    if (bending, slack) == LIMP_SLACK[-2:]:
-        single = closer(scene)
     model = started(beside(scene, at=at, hangs=0.5 * depth))
     for step in range(5):
         top, touchdown, angle = seen(single)

@@ -203,10 +203,20 @@ def test_bridle() -> None:
     assert model.bodies["fish"].position[0] - before == pytest.approx(20.0, abs=1e-3)
 
 
+MEASURED = [
+    (-180, 0.0, 0.05), (-12, -0.9, 0.1), (-4.1, -0.1, 0.02), (-3.9, -0.35, 0.02), (3, 0.3, 0.02),
+    (12, 0.9, 0.08), (180, 0.0, 0.05),
+]  # fmt: skip
+"""Of a foil: angle of attack [degrees], lift and drag coefficients; two rows are close."""
+
+
+@pytest.mark.parametrize("table", [None, MEASURED])
 @pytest.mark.parametrize("deflection", [0.0, -0.08])
-def test_depressor(deflection: float) -> None:
+def test_depressor(deflection: float, table: list[tuple[float, float, float]] | None) -> None:
     """A foil on a line that neither weighs nor drags: its depth by lift, drag and weight."""
-    wing = {"area": 0.5, "aspect_ratio": 4.0, "drag": 0.02, "deflection": deflection}
+    wing = {
+        "area": 0.5, "aspect_ratio": 4.0, "drag": 0.02, "deflection": deflection, "table": table,
+    }  # fmt: skip
     bird = {
         "mass": 60.0,
         "submerged_weight": 200.0,

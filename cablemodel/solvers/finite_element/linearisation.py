@@ -108,6 +108,7 @@ def newton_blocks(
     ints = block.ints
     head = Header(ints)
     kept = block.image.copy()
+    block.scalars.bristles_damped = 0.0  # that is for steps
     entry.assemble(ints, block.reals, of_velocity, of_acceleration)
     nodes, size = int(head.nodes), 2 * int(head.dimension)
     diagonal, upper, lower = (

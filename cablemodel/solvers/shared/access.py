@@ -29,7 +29,7 @@ from cablemodel.solvers.shared.layout import (
     Energies,
     FloorPlace,
     Foil,
-    FoilCoefficients,
+    FoilRow,
     Foot,
     Frame,
     FrameInput,
@@ -96,7 +96,7 @@ trial_tension_of = row_of(ElementTension, Header.trial_tension)
 compliance_of = row_of(InverseCompliance, Header.compliance)
 floor_place_at = record_at(FloorPlace)
 wave_response_at = record_at(WaveResponse)
-foil_coefficients_at = record_at(FoilCoefficients)
+foil_row_at = record_at(FoilRow)
 element_points = row_of(ElementPoints, Header.gauss)
 planar_element = row_of(PlanarElement, Header.gauss)
 spatial_element = row_of(SpatialElement, Header.gauss)

@@ -156,7 +156,7 @@ class Header(Record):
     free_bodies = integer("start of the free bodies (FreeBody)")
     arms = integer("start of the arms (Arm)")
     foils = integer("start of the foils (Foil)")
-    foil_table = integer("start of their coefficients")
+    foil_table = integer("start of their tables")
     _spare_3 = spare(1)
     cut_count = integer("places where lines are cut, let go or break")
     cuts = integer("start of them (Cut)")
@@ -219,6 +219,7 @@ class Scalars(Record, first=HEADER_WORDS):
     bristle = real("length of a bristle", "m")
     floor_damping = real("force grows by this per speed of approach", "s/m")
     landing_damping = real("so that of bodies", "s/m")
+    bristles_damped = real("1: bristles are damped; 0 while an equilibrium is sought")
     floor_plane = reals(5, "z, slopes towards x and y, place x, y where the height is z")
     floor_top = real("highest point of the floor that can be reached", "m")
     floor_bend = real("a bound on 1/8 of the floor's second derivatives", "1/m")
@@ -725,24 +726,27 @@ class Foil(Record):
     chord = reals(3, "towards the leading edge")
     span = reals(3, "along it; lift along chord x span")
     area = real("times half of the water's density", "kg/m")
-    table = real("word of its table: lift and drag coefficients at FOIL_ANGLES angles")
+    table = real("word of its first FoilRow in `foil_table`")
+    rows = real("how many there are, from -180 to 180 degrees")
     deflection = part(Ramp, "as the caller turns it [rad]")
     reach = real("half of the side of a square of its area: the band in which it becomes wet", "m")
-    _spare = spare(4)
+    _spare = spare(3)
 
 
 FOIL_WORDS = Foil.WORDS
-FOIL_ANGLES = 361  # from -180 to 180 degrees
 
 
-class FoilCoefficients(Record):
-    """Of a foil at an angle of its table."""
+class FoilRow(Record):
+    """Coefficients of a foil at an angle; cubic between rows."""
 
+    angle = real("of attack", "rad")
     lift = real("coefficient")
+    lift_slope = real("its derivative", "1/rad")
     drag = real("coefficient")
+    drag_slope = real("its derivative", "1/rad")
 
 
-COEFFICIENT_WORDS = FoilCoefficients.WORDS
+FOIL_ROW_WORDS = FoilRow.WORDS
 
 
 class Cut(Record):

@@ -64,10 +64,12 @@ const char *check_parts(const int64_t *I) {
             (AS(Closure, row)->body < 0.0 && (AS(Closure, row)->other < 0.0 || AS(Closure, row)->clamp != 0.0)))
             return "a cycle is closed at no node";
     }
-    for (int64_t n = 0; n < header(I)->foil_count; n++)
-        if (!whole(M[header(I)->foils + n * FOIL_WORDS + WORD(Foil, table)], 0,
-                   header(I)->foil_words - 2 * FOIL_ANGLES))
+    for (int64_t n = 0; n < header(I)->foil_count; n++) {
+        const double *row = M + header(I)->foils + n * FOIL_WORDS;
+        if (!whole(AS(Foil, row)->rows, 2, header(I)->foil_words / FOIL_ROW_WORDS) ||
+            !whole(AS(Foil, row)->table, 0, header(I)->foil_words - FOIL_ROW_WORDS * (int64_t)AS(Foil, row)->rows))
             return "a foil is out of range";
+    }
     for (int64_t n = 0; n < header(I)->foot_count; n++)
         if (!whole(M[header(I)->feet + n * FOOT_WORDS + WORD(Foot, body)], 0, header(I)->free_count - 1))
             return "a body's foot is out of range";

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import SceneError
+from cablemodel.scene.depth_table import monotone_slopes
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE, DEPTH
 from cablemodel.solvers.shared import layout as at
@@ -145,7 +146,7 @@ def _nodes_over_ridges(scene: Scene, longest: float) -> int:
     if floor is None or floor.z is not None:
         return 0
     x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
-    bend = _sharpest(x, z, _slopes(x, z)) + _sharpest(y, z.T, _slopes(y, z.T))
+    bend = _sharpest(x, z, monotone_slopes(x, z)) + _sharpest(y, z.T, monotone_slopes(y, z.T))
     if bend == 0.0:
         return 0
     element = math.sqrt(scene.solver.tolerance * scene.line_length / (2.0 * bend))
@@ -195,6 +196,7 @@ def fill(block: Block, scene: CableScene) -> None:
     head.sleep = int(floor.friction > 0.0)
     head.floor_state = at.FLOOR_TOUCHED  # until it is known where the line is
     state.floor_damping, state.landing_damping = _damping(scene)
+    state.bristles_damped = 1.0
     if floor.z is not None:
         head.floor_kind = at.FLOOR_PLANE
         state.floor_plane = (floor.z, *floor.slope, *floor.at)
@@ -203,23 +205,14 @@ def fill(block: Block, scene: CableScene) -> None:
     head.floor_kind = at.FLOOR_TABLE
     x, y, z = floor.grid_x, floor.grid_y, floor.grid_z
     head.floor_columns, head.floor_rows = len(x), len(y)
-    along_x = _slopes(x, z)
-    along_y = _slopes(y, z.T).T
-    both = _slopes(y, along_x.T).T
+    along_x = monotone_slopes(x, z)
+    along_y = monotone_slopes(y, z.T).T
+    both = monotone_slopes(y, along_x.T).T
     words = block.array(Header.floor, table_words(floor))
     words[:] = np.concatenate([x, y, np.stack([z, along_x, along_y, both], axis=-1).ravel()])
     state.floor_top = float(z.max() + ABOVE_TABLE * np.ptp(z))
     bend = _sharpest(x, z, along_x) + _sharpest(y, z.T, along_y.T)
     state.floor_bend = bend / 8.0
-
-
-def _slopes(x: FloatArray, z: FloatArray) -> FloatArray:
-    """Slopes of a C1 cubic through the rows of z over x that overshoots nowhere (PCHIP)."""
-    if len(x) < 2:
-        return np.zeros_like(z)
-    from scipy.interpolate import PchipInterpolator
-
-    return np.asarray(PchipInterpolator(x, z, axis=0).derivative()(x), dtype=np.float64)
 
 
 def _sharpest(x: FloatArray, z: FloatArray, slope: FloatArray) -> float:

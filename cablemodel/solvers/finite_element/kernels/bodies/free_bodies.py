@@ -29,12 +29,13 @@ from cablemodel.solvers.finite_element.kernels.bodies.rotation import (
 )
 from cablemodel.solvers.finite_element.kernels.element.tables import WEIGHT
 from cablemodel.solvers.finite_element.kernels.floor.feet import add_feet
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import cubic_end
 from cablemodel.solvers.finite_element.kernels.water.waves import water_at, wave_at, wet_at
 from cablemodel.solvers.finite_element.kernels.water.wetting import OUTER, share_at
 from cablemodel.solvers.shared.access import (
     arm_of,
-    foil_coefficients_at,
     foil_of,
+    foil_row_at,
     free_body_of,
     header,
     new_motion,
@@ -45,9 +46,8 @@ from cablemodel.solvers.shared.compile import kernel, own_numbers, view
 from cablemodel.solvers.shared.environment import current_at, surge_at
 from cablemodel.solvers.shared.layout import (
     BODY_CELLS,
-    COEFFICIENT_WORDS,
     FLOOR_TOUCHED,
-    FOIL_ANGLES,
+    FOIL_ROW_WORDS,
     HULL_CYLINDER,
     HULL_NONE,
 )
@@ -171,23 +171,24 @@ def add_force(force, place, sign, out):
 
 
 @kernel
-def foil_coefficients(M, table, angle):
-    """Lift and drag coefficients at an angle of attack [rad], by a cubic through four rows."""
-    x = (angle + math.pi) * (FOIL_ANGLES - 1) / (2.0 * math.pi)
-    k = math.floor(x)
-    x -= k
-    period = FOIL_ANGLES - 1
-    w0 = -0.5 * x * (1.0 - x) * (1.0 - x)
-    w1 = 1.0 + x * x * (1.5 * x - 2.5)
-    w2 = x * (0.5 + x * (2.0 - 1.5 * x))
-    w3 = -0.5 * x * x * (1.0 - x)
-    lift = 0.0
-    drag = 0.0
-    for n in range(4):
-        row = foil_coefficients_at(M, table + COEFFICIENT_WORDS * ((k - 1 + n) % period))
-        weight = w0 if n == 0 else (w1 if n == 1 else (w2 if n == 2 else w3))
-        lift += weight * row.lift
-        drag += weight * row.drag
+def foil_coefficients(M, table, rows, angle):
+    """Lift and drag coefficients at an angle of attack [rad], by a cubic between two rows."""
+    low = 0
+    high = rows - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if foil_row_at(M, table + FOIL_ROW_WORDS * middle).angle <= angle:
+            low = middle
+        else:
+            high = middle
+    a = foil_row_at(M, table + FOIL_ROW_WORDS * low)
+    b = foil_row_at(M, table + FOIL_ROW_WORDS * high)
+    h = b.angle - a.angle
+    x = (angle - a.angle) / h
+    n0, n1, _d0, _d1 = cubic_end(0, x, h)
+    n2, n3, _d2, _d3 = cubic_end(1, x, h)
+    lift = n0 * a.lift + n1 * a.lift_slope + n2 * b.lift + n3 * b.lift_slope
+    drag = n0 * a.drag + n1 * a.drag_slope + n2 * b.drag + n3 * b.drag_slope
     return lift, drag
 
 
@@ -216,7 +217,8 @@ def add_foil(M, foil, table, t, flow, spin, wet, out):
     speed = math.sqrt(against * against + up * up)
     if speed == 0.0:
         return
-    lift, drag = foil_coefficients(M, table + int(foil.table), math.atan2(up, against))
+    attack = math.atan2(up, against)
+    lift, drag = foil_coefficients(M, table + int(foil.table), int(foil.rows), attack)
     # Drag along the flow in the plane across the span, lift at right angles to it.
     force = wet * foil.area * speed
     forward = force * (lift * up - drag * against)

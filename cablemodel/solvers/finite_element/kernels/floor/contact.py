@@ -28,7 +28,7 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, own_record, view
 from cablemodel.solvers.shared.layout import JOINT_BODY
-from cablemodel.solvers.shared.record import Record, reals
+from cablemodel.solvers.shared.record import Record, real, reals
 
 TIPPING = 1e-3  # of the normal force: what tips cable over that stands on its end
 
@@ -38,10 +38,12 @@ class Contact(Record):
 
     place = reals(3, "where it is", "m")
     normal = reals(3, "of the floor below it, a unit vector upwards")
+    velocity = reals(3, "of it", "m/s")
     bristle = reals(3, "way along the floor from where it was last at rest", "m")
     along = reals(3, "force along the floor, per length of cable", "N")
     slip = reals(3, "direction in which it slips, or zeros")
     chord = reals(3, "direction of its element's chord, along which the bristle is linear")
+    ahead = real("damping over stiffness of its bristle", "s")
     stiffness = reals(9, "minus the derivative of the force by the place, by rows of three", "N/m")
 
 
@@ -136,6 +138,18 @@ def interpolate(q, parent, node, h, p, out, dimension):
 
 
 @inlined
+def damping_time(M, load, mass):
+    """Of a bristle, damping over stiffness [s]: critical, so that what it holds does not swing.
+
+    load: what presses it at rest, mass: what it holds; both per length of cable, or of a body.
+    """
+    state = scalars(M)
+    if state.bristles_damped == 0.0 or state.friction == 0.0:
+        return 0.0
+    return 2.0 * math.sqrt(mass * state.bristle / (state.friction * load))
+
+
+@inlined
 def linear_along(M, q, at, rest, x, e, chord, dimension):
     """Make a bristle e linear between two nodes along their chord, whose direction is given back.
 
@@ -190,15 +204,28 @@ def bristle_at(I, M, node, contact, dimension):
 
 
 @inlined
-def approach(v, parent, node, h, p, normal, dimension):
-    """Speed of contact point p along the normal [m/s]."""
+def damp_bristle(v, parent, node, p, contact, dimension):
+    """Lengthen the bristle at contact point p of an element by what its velocity adds in the time
+    `ahead`: a spring and a damper side by side. Linear along the chord, as the bristle is."""
+    x = CONTACT_POINTS[p]
     a = 2 * dimension * parent
     b = 2 * dimension * node
+    more = 0.0
+    for i in range(dimension):
+        linear = (1.0 - x) * v[a + i] + x * v[b + i]
+        more += contact.chord[i] * (linear - contact.velocity[i])
+    for i in range(dimension):
+        contact.bristle[i] += contact.ahead * (contact.velocity[i] + more * contact.chord[i])
+
+
+@inlined
+def approach(v, parent, node, h, p, contact, dimension):
+    """Velocity of contact point p of an element into `velocity`; returns it along the normal
+    [m/s]."""
+    interpolate(v, parent, node, h, p, contact.velocity, dimension)
     speed = 0.0
     for i in range(dimension):
-        rate = CONTACT_H[p, 0] * v[a + i] + h * CONTACT_H[p, 1] * v[a + dimension + i]
-        rate += CONTACT_H[p, 2] * v[b + i] + h * CONTACT_H[p, 3] * v[b + dimension + i]
-        speed += rate * normal[i]
+        speed += contact.velocity[i] * contact.normal[i]
     return speed
 
 
@@ -227,7 +254,8 @@ def tipping(q, parent, node, p, normal, dimension):
 def contact_force(I, M, q, v, parent, node, h, p, load, contact, dimension):
     """Normal force per length at contact point p of an element [N/m], 0 where it does not touch.
 
-    load: per length, what the floor bears at rest. Writes place, normal and force along the floor.
+    load: per length, what the floor bears at rest. `ahead` of the contact is given. Writes place,
+    velocity, normal and force along the floor.
     Returns force, gap and speed of approach.
     """
     state = scalars(M)
@@ -238,12 +266,13 @@ def contact_force(I, M, q, v, parent, node, h, p, load, contact, dimension):
         contact.along[i] = 0.0
     if gap >= state.floor_depth:
         return 0.0, gap, 0.0
-    speed = approach(v, parent, node, h, p, normal, dimension)
+    speed = approach(v, parent, node, h, p, contact, dimension)
     share, _stiffness, _energy = contact_law(gap, state.floor_depth)
     press = load * share
     press *= max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
         bristle(I, M, q, parent, node, h, p, contact, dimension)
+        damp_bristle(v, parent, node, p, contact, dimension)
         friction(M, load, press, contact, dimension)
     contact.along[0] += press * tipping(q, parent, node, p, normal, dimension)
     return press, gap, speed
@@ -306,11 +335,21 @@ def ends_in_something(I, M, node):
     return False
 
 
+@inlined
+def place_mass(I, M, place, node):
+    """What a place of contact holds on its bristle [kg]."""
+    if place == 2 * header(I).body_count:
+        edge = edge_of(I, M, node)
+        return edge.mass * touchdown_layer(M, edge)
+    return body_of(I, M, place // 2).mass
+
+
 @kernel
-def place_force(I, M, load, preload, node, q, v, contact):
+def place_force(I, M, place, load, preload, node, q, v, contact):
     """Normal force of the floor on a place of contact [N], the gap, the speed along the normal.
 
-    load: what the floor bears there at rest [N]. Writes normal and force along the floor.
+    load: what the floor bears there at rest [N]. Writes normal, bristle, its `ahead` and force
+    along the floor.
     """
     head = header(I)
     state = scalars(M)
@@ -332,6 +371,9 @@ def place_force(I, M, load, preload, node, q, v, contact):
     press = load * share * max(0.0, 1.0 - place_damping(M, preload) * speed)
     if state.friction > 0.0 and press > 0.0:
         bristle_at(I, M, node, contact, dimension)
+        contact.ahead = damping_time(M, load, place_mass(I, M, place, node))
+        for i in range(dimension):
+            contact.bristle[i] += contact.ahead * v[size * node + i]
         friction(M, load, press, contact, dimension)
     contact.along[0] += press * tipping(q, node, node, 0, normal, dimension)
     return press, gap, speed

@@ -9,7 +9,11 @@ from cablemodel.solvers.finite_element.kernels.bodies.rotation import (
     to_body_axes,
     to_earth_axes,
 )
-from cablemodel.solvers.finite_element.kernels.floor.contact import along_floor, contact_law
+from cablemodel.solvers.finite_element.kernels.floor.contact import (
+    along_floor,
+    contact_law,
+    damping_time,
+)
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at
 from cablemodel.solvers.shared.access import foot_of, free_body_of, header, scalars, vector
 from cablemodel.solvers.shared.compile import kernel, own_record
@@ -75,6 +79,8 @@ def add_feet(I, M, body, f):
     at = foot_on_floor()
     normal = at.normal
     bristle = vector()
+    owner = free_body_of(I, M, body)
+    heavy = max(owner.weight - owner.buoyancy, 1e-300)
     force = vector()
     own = vector()  # that force in the body's axes
     moment = vector()
@@ -87,10 +93,11 @@ def add_feet(I, M, body, f):
             continue
         load = foot.load
         share, _stiffness, _energy = contact_law(gap, depth)
+        ahead = damping_time(M, load * foot.pressed, load / heavy * owner.solid[0])
         speed = 0.0
         for i in range(3):
             speed += at.velocity[i] * normal[i]
-            bristle[i] = at.place[i] - foot.rest[i]
+            bristle[i] = at.place[i] - foot.rest[i] + ahead * at.velocity[i]
         press = load * share * max(0.0, 1.0 - state.landing_damping * speed)
         length = along_floor(bristle, normal, 3)
         stiffness = foot.friction * load * foot.pressed / state.bristle

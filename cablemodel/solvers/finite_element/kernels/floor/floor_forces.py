@@ -14,6 +14,8 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     contact_of,
     contact_place,
     contact_places,
+    damp_bristle,
+    damping_time,
     friction,
     interpolate,
     place_damping,
@@ -53,6 +55,7 @@ def elements_residual(I, M, q, v, out, dimension):
         edge = edge_of(I, M, node)
         h = edge.length
         load = edge.contact * edge.support
+        contact.ahead = damping_time(M, load, edge.mass)
         above = view(out, size * parent, size)
         below = view(out, size * node, size)
         end = view(ends, size * node, size)
@@ -95,7 +98,7 @@ def floor_residual(I, M, q, v, out):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0:
             continue
-        press, _gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
+        press, _gap, _speed = place_force(I, M, place, load, preload, node, q, v, contact)
         for i in range(dimension):
             out[size * node + i] -= press * contact.normal[i] + contact.along[i]
 
@@ -233,13 +236,14 @@ def elements_jacobian(I, M, q, v, cv, dimension):
         edge = edge_of(I, M, node)
         h = edge.length
         load = edge.contact * edge.support
+        contact.ahead = damping_time(M, load, edge.mass)
         touched = False
         for p in range(4):
             interpolate(q, parent, node, h, p, contact.place, dimension)
             gap = gap_below(I, M, contact.place, normal, dimension)
             if gap >= depth:
                 continue
-            speed = approach(v, parent, node, h, p, normal, dimension)
+            speed = approach(v, parent, node, h, p, contact, dimension)
             free = max(0.0, 1.0 - damping * speed)
             if free == 0.0:
                 continue
@@ -258,7 +262,9 @@ def elements_jacobian(I, M, q, v, cv, dimension):
             if rubs:
                 press = spring * free
                 bristle(I, M, q, parent, node, h, p, contact, dimension)
+                damp_bristle(v, parent, node, p, contact, dimension)
                 sticks, length, rub = friction(M, load, press, contact, dimension)
+                rub *= 1.0 + cv * contact.ahead
                 for i in range(dimension):
                     slip[i] = 0.0 if sticks else contact.bristle[i] / length
                     push = weight * state.friction * stiff * slip[i]
@@ -291,7 +297,7 @@ def floor_jacobian(I, M, q, v, cv):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0:
             continue
-        press, gap, speed = place_force(I, M, load, preload, node, q, v, contact)
+        press, gap, speed = place_force(I, M, place, load, preload, node, q, v, contact)
         if press <= 0.0:
             continue
         _share, stiffness, _energy = place_law(preload, gap, depth)
@@ -307,7 +313,10 @@ def floor_jacobian(I, M, q, v, cv):
                     M[at + size * i + j] -= press * turn[3 * i + j]
         if rubs:
             bristle_at(I, M, node, contact, dimension)
+            for i in range(dimension):
+                contact.bristle[i] += contact.ahead * v[size * node + i]
             sticks, length, rub = friction(M, load, press, contact, dimension)
+            rub *= 1.0 + cv * contact.ahead
             add_at_node(I, M, node, rub, normal, normal, True)
             if not sticks:
                 for i in range(dimension):

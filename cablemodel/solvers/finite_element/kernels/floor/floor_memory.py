@@ -187,7 +187,7 @@ def bear(I, M, share, harder):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0:
             continue
-        _press, gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
+        _press, gap, _speed = place_force(I, M, place, load, preload, node, q, v, contact)
         law, _stiffness, _energy = place_law(preload, gap, depth)
         row = body_of(I, M, place // 2)
         at_end = place == 2 * head.body_count

@@ -9,6 +9,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     contact_of,
     contact_place,
     contact_places,
+    damping_time,
     interpolate,
     place_force,
     place_law,
@@ -472,6 +473,7 @@ def floor_force(I, M, elements, out):
         parent = I[head.parent + node]
         h = edge.length
         load = edge.contact * edge.support
+        contact.ahead = damping_time(M, load, edge.mass)
         for p in range(4):
             press, gap, _speed = contact_force(
                 I, M, q, v, parent, node, h, p, load, contact, dimension
@@ -485,7 +487,7 @@ def floor_force(I, M, elements, out):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0 or (head.parts != 0 and not touches_line(I, elements, node)):
             continue
-        press, _gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
+        press, _gap, _speed = place_force(I, M, place, load, preload, node, q, v, contact)
         for i in range(dimension):
             out[i] += press * normal[i] + contact.along[i]
 
@@ -499,7 +501,6 @@ def floor_energy(I, M, out):
     size = 2 * dimension
     nodes = head.nodes
     contact = contact_of()
-    velocity = vector()
     q = M[head.position : head.position + size * nodes]
     v = M[head.velocity : head.velocity + size * nodes]
     depth = state.floor_depth
@@ -510,6 +511,7 @@ def floor_energy(I, M, out):
         edge = edge_of(I, M, node)
         h = edge.length
         load = edge.contact * edge.support
+        contact.ahead = damping_time(M, load, edge.mass)
         for p in range(4):
             press, gap, speed = contact_force(
                 I, M, q, v, parent, node, h, p, load, contact, dimension
@@ -520,14 +522,13 @@ def floor_energy(I, M, out):
             weight = h * CONTACT_WEIGHTS[p]
             out.floor += weight * load * energy
             out.floor_power -= weight * (press - load * share) * speed
-            interpolate(v, parent, node, h, p, velocity, dimension)
             for i in range(dimension):
-                out.floor_power -= weight * contact.along[i] * velocity[i]
+                out.floor_power -= weight * contact.along[i] * contact.velocity[i]
     for place in range(contact_places(I)):
         node, load, preload = contact_place(I, M, place)
         if load <= 0.0:
             continue
-        press, gap, _speed = place_force(I, M, load, preload, node, q, v, contact)
+        press, gap, _speed = place_force(I, M, place, load, preload, node, q, v, contact)
         share, _stiffness, energy = place_law(preload, gap, depth)
         out.floor += load * energy
         for i in range(dimension):

@@ -101,5 +101,4 @@ def lands(I, M):
 def rubs(I, M):
     """Whether something lies on a floor with friction."""
     head = header(I)
-    has_friction = scalars(M).friction > 0.0 or head.foot_count != 0
-    return head.floor_state == FLOOR_TOUCHED and has_friction
+    return head.floor_state == FLOOR_TOUCHED and (scalars(M).friction > 0.0 or head.foot_count != 0)

@@ -16,7 +16,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     STAGE_ERROR,
     STAGES,
 )
-from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands
+from cablemodel.solvers.finite_element.kernels.floor.floor_state import lands, rubs
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import (
     NO_TENSION,
@@ -41,7 +41,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
 from cablemodel.solvers.finite_element.kernels.time.two_step import correct, remember
 from cablemodel.solvers.finite_element.kernels.water.sea_cells import begin_stage, end_stage
 from cablemodel.solvers.shared.access import header, scalars
-from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
+from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.layout import FLOOR_ABOVE, NOT_CONVERGED, OK
 
 LARGEST_ITERATIONS = 10
@@ -131,8 +131,10 @@ def solve_stage(I, M, t, gamma_dt, tolerance, most_left, to_output, ratio):
             I[head.failed] = where
             head.factored = 0
             return NOT_CONVERGED, ratio
-        if head.bent_aside != 0 and not size < NO_NEARER * previous:
-            # Points of elements change sides to and fro: between the two is what is looked for.
+        if not size < NO_NEARER * previous and (
+            head.bent_aside != 0 or (iteration > 1 and rubs(I, M))
+        ):
+            # Points change sides, bend aside or slip, to and fro: what is looked for is between.
             for n in range(count):
                 x[n] *= 0.5
         correct(count, (q, v, a), (q, v, a, x), (inverse, inverse2))
@@ -201,6 +203,43 @@ def share_of_error(M, dt):
     if dt >= memory:
         return 1.0
     return max(LEAST_SHARE, math.sqrt(dt / memory))
+
+
+@outlined
+def begin_rubbing(I, M, dt, scheme):
+    """Accelerations with which a step of dt begins where that of an end jumps and cable rubs: those
+    of an implicit stage.
+
+    Bristles answer a jump within milliseconds. With the accelerations before it the first stage
+    would move cable by several of them, and what friction holds would stay wrong.
+    """
+    head = header(I)
+    state = scalars(M)
+    count = 2 * head.dimension * head.nodes
+    gamma_dt = GAMMA[scheme] * dt
+    trial_q = view(M, head.trial_position, count)
+    trial_v = view(M, head.trial_velocity, count)
+    trial_a = view(M, head.trial_acceleration, count)
+    trial_a[:] = 0.0
+    v = view(M, head.velocity, count)
+    predict_stage(
+        count, (trial_v, trial_q), (v, view(M, head.position, count), trial_a), (gamma_dt,)
+    )
+    copy_words(I, head.trial_tension, head.tension, 2 * head.nodes)
+    begin_stage(I, M)
+    status, _ratio = solve_stage(
+        I,
+        M,
+        state.time + gamma_dt,
+        gamma_dt,
+        state.time_tolerance,
+        left_in_tensions(I, M, dt),
+        False,
+        1.0,
+    )
+    end_stage(I, M)
+    if status == OK:
+        copy_words(I, head.acceleration, head.trial_acceleration, count)
 
 
 @kernel

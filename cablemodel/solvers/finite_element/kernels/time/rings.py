@@ -63,7 +63,7 @@ from cablemodel.solvers.shared.access import (
     trial_tension_of,
     winch_of,
 )
-from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
+from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.layout import HELD_BY_ANCHOR, HELD_BY_FRAME, WHOLLY, AlongRows
 
 ROW_DISPLACEMENTS, ROW_MASSES = AlongRows.displacements.word, AlongRows.masses.word
@@ -242,6 +242,18 @@ def jumps_at(I, M, row):
         if winch.node == row.node:
             jump += abs(winch.acceleration_jump)
     return faster, jump, jerk
+
+
+@outlined
+def largest_jump(I, M):
+    """The largest jump of an acceleration along a line at its ends [m/s2], as a step begins."""
+    largest = 0.0
+    for n in range(header(I).constraint_count):
+        row = constraint_of(I, M, n)
+        if row.kind != HELD_BY_ANCHOR:
+            _faster, jump, _jerk = jumps_at(I, M, row)
+            largest = max(largest, jump)
+    return largest
 
 
 @kernel

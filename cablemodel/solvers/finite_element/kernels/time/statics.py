@@ -324,6 +324,7 @@ def relax(I, M, frame, damped, strict):
     if at.flow != 0.0:
         state.floor_damping = 0.0  # down a slope the frame moves towards the floor, no cable does
     state.landing_damping = state.floor_damping  # nothing lands: more would only slow the search
+    state.bristles_damped = 0.0  # velocities are the frame's: what lies has none
     status = STATICS_FAILED
     for _step in range(min(LARGEST_STEPS, head.maximum_steps)):
         if not solve_pseudo_step(I, M, frame, at) or (
@@ -353,6 +354,7 @@ def relax(I, M, frame, damped, strict):
         elif moved > 0.5 * state.length:
             at.dt *= 0.5
     state.floor_damping, state.landing_damping = damping, landing
+    state.bristles_damped = 1.0
     stand_in_frame(I, M, frame, at.flow)
     head.factored = 0
     return status

@@ -22,6 +22,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     TENSION_TEST,
     UNDERRATED,
 )
+from cablemodel.solvers.finite_element.kernels.floor.floor_state import rubs
 from cablemodel.solvers.finite_element.kernels.line.closures import scale_gaps
 from cablemodel.solvers.finite_element.kernels.line.newton import increment_norm
 from cablemodel.solvers.finite_element.kernels.line.system import (
@@ -614,6 +615,22 @@ def solves(I, M, dt, scatter):
     return 0.0 <= change and change <= LARGEST_CHANGE * max(scatter, 0.5)
 
 
+@outlined
+def error_kept(I, M, error, gamma_dt):
+    """Error of a step's tensions [tolerances], where cable rubs: friction keeps it along what lies.
+
+    error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
+    """
+    head = header(I)
+    filter_motion(I, M, error, gamma_dt)
+    left_in = spare_row(I, ROW_LEFT)
+    worst = 0.0
+    for node in range(1, head.nodes):
+        if I[head.joint + node] == 0:
+            worst = max(worst, abs(M[left_in + 2 * node]) / allowed_at(I, M, node))
+    return worst
+
+
 @kernel
 def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
     """Error of the watched tensions of a step from the state to the trial [tolerances], and what
@@ -628,6 +645,8 @@ def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
     at_once = is_over_at_once(I, M, dt)
     if at_once and (head.parts == 0 or dt < TENSION_NEARLY * longest_unwatched(M)):
         return 0.0, FOLLOWS
+    if rubs(I, M):
+        return error_kept(I, M, error, gamma_dt), PASSES_OVER
     scatter = 0.0
     for node in range(1, watched(I)):
         if is_watched(I, node):

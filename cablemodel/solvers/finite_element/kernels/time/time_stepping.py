@@ -46,6 +46,7 @@ from cablemodel.solvers.finite_element.kernels.time.buckling import (
     make_crooked,
 )
 from cablemodel.solvers.finite_element.kernels.time.consistency import (
+    AFTER_A_VELOCITY_JUMP,
     begin_after_a_velocity_jump,
     begins_a_surge,
     follows_a_velocity_jump,
@@ -56,12 +57,14 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
 from cablemodel.solvers.finite_element.kernels.time.esdirk import (
     AT_FLOOR_FORCES,
     accept_trial,
+    begin_rubbing,
     try_step,
 )
 from cablemodel.solvers.finite_element.kernels.time.promote import promote
 from cablemodel.solvers.finite_element.kernels.time.rings import (
     begin_rings,
     follow_rings,
+    largest_jump,
     longest_ring_step,
     may_miss_rings,
 )
@@ -99,7 +102,7 @@ from cablemodel.solvers.shared.access import (
     scalars,
     tension_of,
 )
-from cablemodel.solvers.shared.compile import inlined, kernel, own_record, view
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined, own_record, view
 from cablemodel.solvers.shared.environment import find_piece
 from cablemodel.solvers.shared.layout import (
     FLOOR_FAR,
@@ -123,6 +126,7 @@ MOST_REFUSALS = 4  # of a step that ends folded
 UNSTABLE = 30.0  # error of a step that is too long for what grows: the next has 0.4 of it
 LONGEST = 0.999  # of the longest step whose tensions are not looked at: one that is so short
 FOLDS_ITSELF = 1e-4  # sqrt(L/g): steps so short follow the motion into a fold, none is refused
+JUMP_RUBS = 0.1  # of a bristle: motion by a jump of acceleration in a step that is seen in friction
 BENDING_ON, BENDING_OFF = 0.01, 0.005  # hybrid: (EI/T)/h^2 above which bending is kept
 BENDING_SEEN = 1e-5  # tau below which what leaving it out misplaces, EI/T times r'', would be seen
 
@@ -344,6 +348,18 @@ def plan_step(I, M, plan):
     plan.dt = dt
 
 
+@outlined
+def begins_rubbing(I, M, dt):
+    """Whether accelerations of the last step are none to begin with where cable rubs: one of an end
+    jumps, or the last step was so much shorter that it resolved bristles."""
+    if not rubs(I, M):
+        return False
+    last = scalars(M).last_step
+    if last > 0.0 and dt > AFTER_A_VELOCITY_JUMP * last:
+        return True
+    return largest_jump(I, M) * dt * dt > JUMP_RUBS * scalars(M).bristle
+
+
 @kernel
 def make_ready(I, M, plan):
     """What the state has to meet before a step of another kind than the last one."""
@@ -359,6 +375,8 @@ def make_ready(I, M, plan):
         I, M, dt
     ):
         begin_after_a_velocity_jump(I, M, state.last_step)
+    elif head.floor_state == FLOOR_TOUCHED and begins_rubbing(I, M, dt):
+        begin_rubbing(I, M, dt, plan.scheme)
     elif plan.unprojected != 0:
         project_velocity(I, M, GAMMA[plan.scheme] * dt)
     if head.current_kind != 0 and begins_a_surge(I, M, dt):

@@ -1,0 +1,95 @@
+"""What friction keeps as cable on a floor comes to a stop: its tension, whatever the steps are."""
+
+import numpy as np
+import pytest
+
+import cablemodel as cm
+from tests.verification.references.moored import moored_catenary
+
+WEIGHT, LENGTH, FRICTION, DEPTH = 15.0, 400.0, 0.5, 50.0
+ROPE = {
+    "diameter": 0.03, "mass": 2.3, "submerged_weight": WEIGHT, "axial_stiffness": 3e7,
+    "bending_stiffness": 10.0, "drag_normal": 1.2, "drag_tangential": 0.01,
+}  # fmt: skip
+
+
+def dragged(tolerance: float, begins: float, stops: float) -> cm.CableModel:
+    """A rope along the floor, dragged by its end, which comes to a stop."""
+    speeds = [(0.0, 0.0), (20.0, 0.3), (begins, 0.3), (stops, 0.0)]
+    return cm.CableModel(
+        {
+            "environment": {"floor": {"z": -DEPTH, "friction": FRICTION}},
+            "cable_types": {"rope": ROPE},
+            "line": [{"cable": {"type": "rope", "length": LENGTH}}],
+            "initial": {"straight": [-1, 0, 0]},
+            "vessel": {
+                "position": [0, 0, -DEPTH],
+                "velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in speeds],
+            },
+            "solver": {"tolerance": tolerance},
+        }
+    )
+
+
+@pytest.mark.parametrize("tolerance", [2e-4, 1.1e-4, 1e-4, 9e-5, 5e-5])
+@pytest.mark.parametrize("step", [1.0, 5.0, 20.0])
+def test_what_is_dragged_to_a_stop_keeps_the_friction_that_it_had(
+    tolerance: float, step: float
+) -> None:
+    """mu w L, but for the little that slowed it down (1 N): it was up to 4 % less, by the step."""
+    model = dragged(tolerance, 120.0, 220.0)
+    while model.time < 300.0:
+        model.step(step)
+    held = FRICTION * WEIGHT * LENGTH
+    assert model.top_tension == pytest.approx(held, abs=10.0 * tolerance * held + 3.0)
+    assert np.abs(model.state().velocity).max() < 1e-4  # m/s: what is left of a wave
+
+
+def test_a_sudden_stop_keeps_it_too() -> None:
+    """The stop is 20 times as quick: slowing it down takes 14 N of 3,000."""
+    for tolerance in (1e-3, 1e-4):
+        for step in (0.5, 5.0, 30.0):
+            model = dragged(tolerance, 120.0, 140.0)
+            while model.time < 200.0:
+                model.step(step)
+            held = FRICTION * WEIGHT * LENGTH
+            assert model.top_tension == pytest.approx(held, abs=10.0 * tolerance * held + 14.0)
+
+
+CHAIN = {
+    "diameter": 0.108, "mass": 72.0, "submerged_weight": 614.0, "axial_stiffness": 3.1e8,
+    "drag_normal": 2.4, "drag_tangential": 0.4,
+}  # fmt: skip
+
+
+AWAY = [(0, 0.0), (20, 0.1), (200, 0.1), (220, 0.0), (520, 0.0), (540, -0.1), (720, -0.1)]
+"""Of a vessel that drifts off by 20 m, stays, and comes back: time [s], speed [m/s]."""
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_an_anchor_keeps_what_reached_it_as_its_vessel_comes_back(tolerance: float) -> None:
+    """The anchor feels what friction does not take up on the way, in closed form; and keeps it as
+    the chain before it gets slack again. Swings on bristles took 1,700 N more there, and as many
+    again as the vessel came back."""
+    depth, length, friction, out = 100.0, 600.0, 0.2, 540.0
+    model = cm.CableModel(
+        {
+            "environment": {"floor": {"z": -depth, "friction": friction}},
+            "cable_types": {"chain": CHAIN},
+            "line": [{"cable": {"type": "chain", "length": length}}],
+            "end": {"anchor": [-out, 0, -depth]},
+            "vessel": {"velocity": [{"t": t, "velocity": [v, 0, 0]} for t, v in AWAY]},
+            "solver": {"tolerance": tolerance},
+        }
+    )
+    stiffness, weight = CHAIN["axial_stiffness"], CHAIN["submerged_weight"]
+    line = moored_catenary(out + 20.0, depth, length, weight, stiffness, friction)
+    expected = float(line.tension(np.zeros(1))[0])
+    while model.time < 500.0:
+        model.step(1.0)
+    promised = 10.0 * tolerance * model.top_tension
+    found = model.sample([length]).tension[0]
+    assert found == pytest.approx(expected, abs=2.5 * promised)
+    while model.time < 700.0:
+        model.step(1.0)
+    assert model.sample([length]).tension[0] == pytest.approx(found, abs=promised)
