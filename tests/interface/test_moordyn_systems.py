@@ -293,7 +293,8 @@ def test_bodies_and_rods_that_are_coupled_move_as_vessels() -> None:
     scene = cm.load_system(read_deck(text)[0])
     body = scene.vessels["body1"]
     told = Rotation.from_euler("XYZ", [10.0, 20.0, 30.0], degrees=True)
-    ours = Rotation.from_euler("xyz", body.attitude)
+    assert body.attitude is not None
+    ours = Rotation.from_euler("xyz", body.attitude[0].attitude)
     assert ours.as_matrix() == pytest.approx(told.as_matrix(), abs=1e-9)
     assert body.position == (1.0, 2.0, -5.0)
     assert body.points == {"p3": (4.0, 0.0, 1.0)}

@@ -348,7 +348,7 @@ def test_runs_of_a_sweep_converge_each_by_itself() -> None:
     [
         ([], {"attempts": 1}, "attempts is 1, it must be 2 or more"),
         ([], {"until": -1.0}, "until: -1.0 is out of range"),
-        (["solver={method: direct_integration}"], {}, "direct_integration has no tol"),
+        (["solver={method: direct_integration}"], {}, "direct_integration computes one line"),
         (["solver.accuracy=1e-4"], {}, r"solver.accuracy: finer than the tolerance of 0\.001"),
     ],
 )
