@@ -527,11 +527,11 @@ def _parted_at_start(model: SystemModel) -> list[str]:
     """Of what breaks above a tension that it has from the beginning on."""
     found = []
     for name, cut in model.scene.cuts.items():
-        line = model.lines[cut.line]
-        ends = {"start": 0.0, "end": model.scene.lines[cut.line].length}
-        arc = cut.at if isinstance(cut.at, float) else ends[cut.at]
-        tension = float(line.sample([arc]).tension[0])
-        if cut.tension is not None and tension > cut.tension:
+        if cut.tension is None:
+            continue
+        arc = model.scene.lines[cut.line].arc_at(cut.at)
+        tension = float(model.lines[cut.line].sample([arc]).tension[0])
+        if tension > cut.tension:
             found.append(
                 f"cuts.{name}: {cut.line} has {tension:.4g} N there at the start, and breaks at "
                 f"once above tension = {cut.tension:.4g} N"

@@ -91,13 +91,16 @@ def also(*forms: JsonDict) -> Callable[[JsonDict], None]:
 _CLOSEST = 1e-9
 """Rows of a table nearer than this are the same place or time."""
 
-Table = TypeVar("Table", bound=Sequence[Any])
+Table = TypeVar("Table", bound=Sequence[Any] | None)
 
 
 def in_order_of(key: str) -> Callable[[Table], Table]:
-    """A validator for tables: at least one row, and ``key`` rises strictly from row to row."""
+    """A validator for tables: at least one row, and ``key`` rises strictly from row to row. None,
+    where a field allows it, is no table."""
 
     def validate(rows: Table) -> Table:
+        if rows is None:
+            return rows
         if not rows:
             raise rejection("the table is empty", "at least one row", rows)
         if isinstance(rows, Rows):

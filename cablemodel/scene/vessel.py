@@ -214,7 +214,7 @@ class Vessel(SceneModel):
     )
     velocity: Annotated[
         Rows[VelocityPoint] | None,
-        AfterValidator(lambda rows: rows if rows is None else in_order_of("t")(rows)),
+        AfterValidator(in_order_of("t")),
         BeforeValidator(_velocity_rows),
     ] = Field(
         default=None,

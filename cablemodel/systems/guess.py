@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cablemodel.systems.motion import axes_of, first_angles
+from cablemodel.systems.motion import axes_of
 from cablemodel.systems.scene import LineEnd, SystemScene
 
 if TYPE_CHECKING:
@@ -158,8 +158,7 @@ def held_place(scene: SystemScene, end: LineEnd) -> FloatArray | None:
     vessel = scene.vessels.get(end.owner)
     if vessel is None:
         return None
-    arm = axes_of(first_angles(vessel)) @ np.array(vessel.points[end.of_owner])
-    return np.asarray(np.array(vessel.position) + arm, dtype=np.float64)
+    return vessel.places_at_start()[end.of_owner]
 
 
 def ways_aside(guess: Guess) -> dict[str, FloatArray]:

@@ -122,7 +122,7 @@ class VesselFrame(Vessel):
     )
     attitude: Annotated[
         Rows[AttitudePoint] | None,
-        AfterValidator(lambda rows: rows if rows is None else in_order_of("t")(rows)),
+        AfterValidator(in_order_of("t")),
         BeforeValidator(_attitude_rows),
     ] = Field(
         default=None,
@@ -148,10 +148,10 @@ class VesselFrame(Vessel):
         json_schema_extra=also({"type": "string"}),
     )
 
-    def place_at_start(self, own: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Place at t = 0 [m] of a point in its own axes."""
-        x, y, z = np.array(self.position) + axes_of(first_angles(self)) @ own
-        return float(x), float(y), float(z)
+    def places_at_start(self) -> dict[str, FloatArray]:
+        """Places of its points at t = 0 (3,) [m], by name."""
+        axes = axes_of(first_angles(self))
+        return {name: np.array(self.position) + axes @ own for name, own in self.points.items()}
 
     @field_validator("connection")
     @classmethod
@@ -241,10 +241,13 @@ class Foil(SceneModel):
         if self.table is None:
             angles = np.linspace(-math.pi, math.pi, WING_ROWS)
             values = self._thin_wing(angles)
+            ahead, behind = np.roll(values[:-1], -1, axis=0), np.roll(values[:-1], 1, axis=0)
+            slopes = (ahead - behind) / (2.0 * (angles[1] - angles[0]))
+            slopes = np.concatenate([slopes, slopes[:1]])
         else:
             given = np.array(self.table)
             angles, values = np.radians(given[:, 0]), given[:, 1:]
-        slopes = monotone_slopes(angles, values)
+            slopes = monotone_slopes(angles, values)
         columns = angles, values[:, 0], slopes[:, 0], values[:, 1], slopes[:, 1]
         return np.column_stack(columns)
 
@@ -471,6 +474,12 @@ class SystemLine(SceneModel):
     def end_at(self, side: Literal["start", "end"]) -> LineEnd:
         """One of them."""
         return self.start if side == "start" else self.end
+
+    def arc_at(self, place: Literal["start", "end"] | float) -> float:
+        """Arc length of an end, or of a place that is given by it [m]."""
+        if isinstance(place, float):
+            return place
+        return 0.0 if place == "start" else self.length
 
 
 class Cut(SceneModel):
@@ -824,13 +833,14 @@ class SystemScene(Document):
                     allowed = f"z of at least {height:g} m there"
                     yield SceneProblem(f"lines.{name}.{word}.anchor", end.anchor, problem, allowed)
         for name, vessel in self.vessels.items():
-            for point, own in vessel.points.items():
-                x, y, z = vessel.place_at_start(own)
+            for point, place in vessel.places_at_start().items():
+                x, y, z = map(float, place)
                 height = floor.height(x, y)
                 if z < height - ON_FLOOR * self.line_length:
                     problem = f"it is at z = {z:g} m at t = 0, below the sea floor"
                     allowed = f"z of at least {height:g} m there, with position and attitude"
-                    yield SceneProblem(f"vessels.{name}.points.{point}", own, problem, allowed)
+                    own, at = vessel.points[point], f"vessels.{name}.points.{point}"
+                    yield SceneProblem(at, own, problem, allowed)
 
     def _end_problems(
         self, name: str, path: str, end: LineEnd, used: set[str]

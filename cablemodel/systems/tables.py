@@ -581,9 +581,7 @@ def fill_cuts(scene: SystemScene, built: Built) -> None:
     tree = built.tree
     rows = built.block.array(Header.cuts, len(scene.cuts), at.CUT_WORDS)
     for row, cut in zip(rows, scene.cuts.values(), strict=True):
-        length = scene.lines[cut.line].length
-        place = {"start": 0.0, "end": length}.get(str(cut.at), cut.at)
-        assert isinstance(place, float)
+        place = scene.lines[cut.line].arc_at(cut.at)
         element = min(
             (e for e in tree.elements.values() if tree.segments[e.segment].line == cut.line),
             key=lambda e: max(e.start - place, place - e.start - e.length),

@@ -219,6 +219,13 @@ def damp_bristle(v, parent, node, p, contact, dimension):
 
 
 @inlined
+def damp_bristle_at(v, node, contact, dimension):
+    """The same of a node's bristle."""
+    for i in range(dimension):
+        contact.bristle[i] += contact.ahead * v[2 * dimension * node + i]
+
+
+@inlined
 def approach(v, parent, node, h, p, contact, dimension):
     """Velocity of contact point p of an element into `velocity`; returns it along the normal
     [m/s]."""
@@ -372,8 +379,7 @@ def place_force(I, M, place, load, preload, node, q, v, contact):
     if state.friction > 0.0 and press > 0.0:
         bristle_at(I, M, node, contact, dimension)
         contact.ahead = damping_time(M, load, place_mass(I, M, place, node))
-        for i in range(dimension):
-            contact.bristle[i] += contact.ahead * v[size * node + i]
+        damp_bristle_at(v, node, contact, dimension)
         friction(M, load, press, contact, dimension)
     contact.along[0] += press * tipping(q, node, node, 0, normal, dimension)
     return press, gap, speed

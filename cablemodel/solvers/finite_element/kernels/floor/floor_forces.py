@@ -15,6 +15,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     contact_place,
     contact_places,
     damp_bristle,
+    damp_bristle_at,
     damping_time,
     friction,
     interpolate,
@@ -313,8 +314,7 @@ def floor_jacobian(I, M, q, v, cv):
                     M[at + size * i + j] -= press * turn[3 * i + j]
         if rubs:
             bristle_at(I, M, node, contact, dimension)
-            for i in range(dimension):
-                contact.bristle[i] += contact.ahead * v[size * node + i]
+            damp_bristle_at(v, node, contact, dimension)
             sticks, length, rub = friction(M, load, press, contact, dimension)
             rub *= 1.0 + cv * contact.ahead
             add_at_node(I, M, node, rub, normal, normal, True)
