@@ -41,7 +41,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
 from cablemodel.solvers.finite_element.kernels.time.two_step import correct, remember
 from cablemodel.solvers.finite_element.kernels.water.sea_cells import begin_stage, end_stage
 from cablemodel.solvers.shared.access import header, scalars
-from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
+from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, view
 from cablemodel.solvers.shared.layout import FLOOR_ABOVE, NOT_CONVERGED, OK
 
 LARGEST_ITERATIONS = 10
@@ -205,46 +205,13 @@ def share_of_error(M, dt):
     return max(LEAST_SHARE, math.sqrt(dt / memory))
 
 
-@outlined
-def begin_rubbing(I, M, dt, scheme):
-    """Accelerations with which a step of dt begins where that of an end jumps and cable rubs: those
-    of an implicit stage.
-
-    Bristles answer a jump within milliseconds. With the accelerations before it the first stage
-    would move cable by several of them, and what friction holds would stay wrong.
-    """
-    head = header(I)
-    state = scalars(M)
-    count = 2 * head.dimension * head.nodes
-    gamma_dt = GAMMA[scheme] * dt
-    trial_q = view(M, head.trial_position, count)
-    trial_v = view(M, head.trial_velocity, count)
-    trial_a = view(M, head.trial_acceleration, count)
-    trial_a[:] = 0.0
-    v = view(M, head.velocity, count)
-    predict_stage(
-        count, (trial_v, trial_q), (v, view(M, head.position, count), trial_a), (gamma_dt,)
-    )
-    copy_words(I, head.trial_tension, head.tension, 2 * head.nodes)
-    begin_stage(I, M)
-    status, _ratio = solve_stage(
-        I,
-        M,
-        state.time + gamma_dt,
-        gamma_dt,
-        state.time_tolerance,
-        left_in_tensions(I, M, dt),
-        False,
-        1.0,
-    )
-    end_stage(I, M)
-    if status == OK:
-        copy_words(I, head.acceleration, head.trial_acceleration, count)
-
-
 @kernel
-def try_step(I, M, dt, scheme, to_output):
+def try_step(I, M, dt, scheme, to_output, anew):
     """One ESDIRK step from the state to the trial.
+
+    anew: its first stage is implicit, too, which gives the accelerations to begin with. Where an
+    end's acceleration jumps and cable rubs, those before the jump would move it by several
+    bristles, and what friction holds would stay wrong.
 
     Returns the status, the error of position or top tension over what is allowed, and what the
     step does along the line (`tension_error`).
@@ -269,10 +236,10 @@ def try_step(I, M, dt, scheme, to_output):
     most_left = left_in_tensions(I, M, dt)
     ratio = 1.0
     for n in range(count):
-        trial_a[n] = a[n]
+        trial_a[n] = 0.0 if anew else a[n]
     for n in range(2 * nodes):
         M[head.trial_tension + n] = M[head.tension + n]
-    for i in range(1, stages):
+    for i in range(0 if anew else 1, stages):
         weight = dt * STAGE_A[scheme, i, 0]
         move_on(count, (base_v, base_q), (v, q, a, v), (weight,))
         for j in range(1, i):
@@ -284,12 +251,19 @@ def try_step(I, M, dt, scheme, to_output):
                 move_on(count, (base_v, base_q), (base_v, base_q, stage_a, stage_v), (weight,))
         predict_stage(count, (trial_v, trial_q), (base_v, base_q, trial_a), (gamma_dt,))
         last = i == stages - 1
-        stage_time = time + dt if last else time + STAGE_C[scheme, i] * dt
+        stage_time = time + dt if last else time + max(STAGE_C[scheme, i] * dt, gamma_dt)
         begin_stage(I, M)
         status, ratio = solve_stage(
             I, M, stage_time, gamma_dt, tolerance, most_left, to_output and last, ratio
         )
         end_stage(I, M)
+        if i == 0:
+            if status == OK:
+                copy_words(I, head.acceleration, head.trial_acceleration, count)
+            else:
+                copy_words(I, head.trial_acceleration, head.acceleration, count)
+                copy_words(I, head.trial_tension, head.tension, 2 * nodes)
+            continue
         if status != OK:
             return status, 0.0, PASSES_OVER
         if head.floor_state == FLOOR_ABOVE and lands(I, M):

@@ -57,7 +57,6 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
 from cablemodel.solvers.finite_element.kernels.time.esdirk import (
     AT_FLOOR_FORCES,
     accept_trial,
-    begin_rubbing,
     try_step,
 )
 from cablemodel.solvers.finite_element.kernels.time.promote import promote
@@ -158,6 +157,7 @@ class Plan(Record):
     status = integer("of the attempt")
     error = real("of the attempt: local error over what is allowed")
     along = integer("what the step does along the line (tension_error)")
+    anew = integer("1: it begins with accelerations of its own, where cable rubs")
     two_steps = integer("1: made by the two-step scheme")
     folded = integer("attempts in a row that ended folded")
     stirred = integer("which disturbance wakes what sleeps")
@@ -366,6 +366,7 @@ def make_ready(I, M, plan):
     head = header(I)
     state = scalars(M)
     dt = plan.dt
+    plan.anew = 0
     follow_limp(I, M)
     if dt < MUCH_SHORTER * state.last_step:
         # Velocities do not meet what a jump of one asks for: they run into it, and make its wave.
@@ -376,7 +377,7 @@ def make_ready(I, M, plan):
     ):
         begin_after_a_velocity_jump(I, M, state.last_step)
     elif head.floor_state == FLOOR_TOUCHED and begins_rubbing(I, M, dt):
-        begin_rubbing(I, M, dt, plan.scheme)
+        plan.anew = 1
     elif plan.unprojected != 0:
         project_velocity(I, M, GAMMA[plan.scheme] * dt)
     if head.current_kind != 0 and begins_a_surge(I, M, dt):
@@ -398,6 +399,7 @@ def attempt(I, M, plan):
     plan.two_steps = 0
     if (
         plan.to_output != 0
+        and plan.anew == 0
         and dt <= LIMITED * plan.natural
         and may_miss_rings(I, M, dt, -1)
         and try_two_step(I, M, dt)
@@ -406,7 +408,9 @@ def attempt(I, M, plan):
         plan.two_steps = 1 if of_tension <= 1.0 else 0
     if plan.two_steps == 0:
         give_back_forces(I, M)
-        plan.status, plan.error, plan.along = try_step(I, M, dt, plan.scheme, plan.to_output != 0)
+        plan.status, plan.error, plan.along = try_step(
+            I, M, dt, plan.scheme, plan.to_output != 0, plan.anew != 0
+        )
         if (
             plan.status == OK
             and head.floor_state != FLOOR_FAR
