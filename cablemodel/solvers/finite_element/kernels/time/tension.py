@@ -457,7 +457,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
         strained[n] += tension[n]
     impose_motion(I, M, t, solved_q, solved_v, a)
     stiffen(I, M, ca)
-    failed = factorise(I, M, q, solved_v, a, tension, ca, 0.0)
+    failed = factorise(I, M, q, solved_v, a, tension, ca, 1.0 / short)
     soften(I, M)
     head.factored = 0
     if failed != 0:
