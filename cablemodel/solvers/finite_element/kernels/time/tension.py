@@ -74,7 +74,7 @@ UNEXPLAINED = 0.01  # of the scatter: an embedded error that explains none of it
 STIFF = 0.2  # part of the embedded error that lasts, from which on a step follows what rings
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
-DIFFERENCE_STEP = 1e-3  # periods of the line: for the stretch's second derivative
+DIFFERENCE_STEP = 1e-3  # periods of the line: for the stretch's derivatives
 TENSION_NEARLY = 0.5  # of the longest step not looked at: its tensions say how long the next is
 TENSION_STAYS = 0.5  # error of a step after which the next one is as long
 TENSION_RIGID = 1e-3  # compliance of the line over what inertia gives way by in that step
@@ -452,9 +452,10 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(count):
         solved_q[n] = q[n]
         solved_v[n] = v[n]
+    step = DIFFERENCE_STEP * state.period
     for n in range(words):
         solved[n] = tension[n]
-        strained[n] += tension[n]
+        strained[n] = tension[n] + step * strained[n]
     impose_motion(I, M, t, solved_q, solved_v, a)
     stiffen(I, M, ca)
     failed = factorise(I, M, q, solved_v, a, tension, ca, 1.0 / short)
@@ -466,7 +467,7 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     constraints(I, M, q, solved_v, a, strained, forces, curved)
     constraints(I, M, q, solved_v, a, tension, forces, constraint)
     for n in range(words):
-        curved[n] -= constraint[n]
+        curved[n] = (curved[n] - constraint[n]) / step
     material_stretch_rate(I, M, solved_v, constraint)
     for n in range(words):
         constraint[n] += curved[n]
@@ -477,7 +478,6 @@ def solve_for_tension(I, M, t, short, q, v, tension):
     for n in range(count):
         solved_v[n] += x[n]
     # The second derivative of |r'|, of a motion without a jerk.
-    step = DIFFERENCE_STEP * state.period
     for k in range(3):
         ahead = (k - 1) * step
         for n in range(count):
