@@ -40,7 +40,7 @@ from cablemodel.solvers.shared.access import (
 from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.layout import (
     CHANGED,
-    FLOOR_FAR,
+    FLOOR_TOUCHED,
     JOINT_ROOT,
     NO_CAPACITY,
     NOTHING,
@@ -169,13 +169,14 @@ def something_between(I, M, root, end, farthest):
     """Whether a body hangs on what is tied together elsewhere than at its far end: it throws waves
     back, and their spectrum is another one."""
     head = header(I)
+    times = spare_row(I, ROW_TIMES)
     for n in range(head.body_count):
         node = int(body_of(I, M, n).node)
-        if root < node < end and node != farthest:
+        if root < node < end and M[times + node] < M[times + farthest]:
             return True
     for n in range(head.free_count):
         node = int(free_body_of(I, M, n).node)
-        if root < node < end and node != farthest:
+        if root < node < end and M[times + node] < M[times + farthest]:
             return True
     return False
 
@@ -198,7 +199,7 @@ def begin_wave(I, M, row, jump, allowed):
     is more than is allowed, and less than all that is there: by more it goes slack somewhere.
     Above a floor that is near the mesh is another's to change."""
     head = header(I)
-    if jump == 0.0 or head.floor_state != FLOOR_FAR:
+    if jump == 0.0 or head.floor_state == FLOOR_TOUCHED:
         return
     root, end, farthest = times_of_sound(I, M, int(row.node))
     if runs_through(I, M, root, end) or something_between(I, M, root, end, farthest):
