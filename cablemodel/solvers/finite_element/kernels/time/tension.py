@@ -646,7 +646,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
     if at_once and (head.parts == 0 or dt < TENSION_NEARLY * longest_unwatched(M)):
         return 0.0, FOLLOWS
     if rubs(I, M):
-        return error_kept(I, M, error, gamma_dt), PASSES_OVER
+        return error_kept(I, M, error, gamma_dt) / TENSION_SHARE, PASSES_OVER
     scatter = 0.0
     for node in range(1, watched(I)):
         if is_watched(I, node):
