@@ -17,7 +17,7 @@ from cablemodel.solvers.finite_element.kernels.floor.contact import (
     touchdown_layer,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_memory import LEFT_PRESSED, bear
-from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest_gap
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import gap_at, lowest_gap
 from cablemodel.solvers.finite_element.kernels.mesh.payout import (
     at_fraction,
     hermite,
@@ -46,6 +46,7 @@ from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     EDGE_WORDS,
+    FLOOR_NONE,
     JOINT_ARM,
     LAYER,
     NO_CAPACITY,
@@ -72,7 +73,7 @@ TOUCHDOWN_UNEVEN = 0.05  # of its length: what the halves of an element that is 
 ROW_GAPS, ROW_BEHIND, ROW_JUMPS = MeshRows.gaps.word, MeshRows.behind.word, MeshRows.jumps.word
 ROW_WANTED, ROW_PROMISED = MeshRows.wanted.word, MeshRows.promised.word
 ROW_SPARE, ROW_WAYS = MeshRows.spare.word, MeshRows.ways.word
-PASSED = 4.0  # of what passes the tow point in sqrt(L/g): a top element so long is halved, too
+PASSED = 4.0  # of what passes the tow point in sqrt(h/g): a top element so long is halved, too
 SURELY_LONGER, SURELY_SHORTER = 1.001, 0.999  # of the cubes of lengths: what needs no cubic root
 NEAR_FINEST = 4.0  # of the finest elements that are wanted: gap that counts as near
 CUBIC_OFF = 0.02  # of the accuracy: where one cubic may go beside two
@@ -311,6 +312,20 @@ def moved_by_winch(I, M, edge):
 
 
 @kernel
+def time_of_hanging(I, M, node):
+    """sqrt(h/g) of the height of a node above the floor, at most sqrt(L/g) [s]: what lies is none
+    of the line that moves."""
+    head = header(I)
+    state = scalars(M)
+    if head.floor_kind == FLOOR_NONE:
+        return state.period
+    dimension = head.dimension
+    place = view(M, head.position + 2 * dimension * node, dimension)
+    height = max(0.0, gap_at(I, M, place, vector()))
+    return state.period * math.sqrt(min(1.0, height / state.length))
+
+
+@kernel
 def may_be_halved(I, M, node):
     """Whether an element may be shorter: any but some next to a winch that moves its line.
 
@@ -326,7 +341,7 @@ def may_be_halved(I, M, node):
     above = next_cable(I, M, winch, OFF_THE_DRUM)
     if above >= 0 and out_of_joint(I, M, winch, above) > 0.0:
         return False
-    passed = PASSED * abs(winch.rate) * state.period
+    passed = PASSED * abs(winch.rate) * time_of_hanging(I, M, int(winch.node))
     return edge.length > min(SHORTEST_TOP * row.nominal, passed)
 
 
