@@ -94,7 +94,7 @@ from cablemodel.solvers.finite_element.kernels.time.two_step import (
     try_two_step,
     two_step_gamma,
 )
-from cablemodel.solvers.finite_element.kernels.time.waves import follow_with_mesh
+from cablemodel.solvers.finite_element.kernels.time.waves import end_waves, follow_with_mesh
 from cablemodel.solvers.shared.access import (
     edge_of,
     header,
@@ -460,6 +460,8 @@ def try_again(I, M, plan, happened):
     if happened == STIRS:
         wake(I, M, plan.stirred == 2)
         return change_mesh(I, M, False)
+    if happened == REACHES_FLOOR and head.axial_waves != 0 and head.floor_state == FLOOR_TOUCHED:
+        end_waves(I, M)
     if happened == BREAKS:
         state.step = plan.share * plan.dt
     return OK

@@ -13,9 +13,9 @@ last: else steps and elements are shorter. The first wave's amplitude is what ju
 a window of one turn finds at most in the speeds by which the line is stretched, beside the linear
 ones of a load that rings.
 
-Between winch and load alone, far from a floor, is that their spectrum: what hangs between throws
-waves back. Where cable is pressed it bends aside, and waves along it end. Those that nothing has
-ended after MOST_LASTING are left to the steps.
+Between winch and load alone is that their spectrum: what hangs between throws waves back. Where
+cable is pressed it bends aside, and waves along it end; so they do where something comes to a
+floor. Those that nothing has ended after MOST_LASTING are left to the steps.
 """
 
 import math
@@ -154,6 +154,13 @@ def end_wave(I, M, row):
 
 
 @kernel
+def end_waves(I, M):
+    """Follow no waves any longer: what comes to a floor ends them, and sends others."""
+    for n in range(header(I).constraint_count):
+        end_wave(I, M, constraint_of(I, M, n))
+
+
+@kernel
 def runs_through(I, M, root, end):
     """Whether what is tied together runs from one winch to another. Waves gain at one what they
     lose at the other, and elements that pass make more of them: steps had better damp them."""
@@ -167,16 +174,16 @@ def runs_through(I, M, root, end):
 @kernel
 def something_between(I, M, root, end, farthest):
     """Whether a body hangs on what is tied together elsewhere than at its far end: it throws waves
-    back, and their spectrum is another one."""
+    back, and their spectrum is another one. So does a body of finite length at that end; and what
+    presses its cable folds the fine elements that waves ask for."""
     head = header(I)
-    times = spare_row(I, ROW_TIMES)
     for n in range(head.body_count):
         node = int(body_of(I, M, n).node)
-        if root < node < end and M[times + node] < M[times + farthest]:
+        if root < node < end and node != farthest:
             return True
     for n in range(head.free_count):
         node = int(free_body_of(I, M, n).node)
-        if root < node < end and M[times + node] < M[times + farthest]:
+        if root < node < end and node != farthest:
             return True
     return False
 
@@ -196,8 +203,7 @@ def least_tension(I, M, root, end):
 @kernel
 def begin_wave(I, M, row, jump, allowed):
     """What a jump of the acceleration [m/s2] at an end that is held sends along its line, if that
-    is more than is allowed, and less than all that is there: by more it goes slack somewhere.
-    Above a floor that is near the mesh is another's to change."""
+    is more than is allowed, and less than all that is there: by more it goes slack somewhere."""
     head = header(I)
     if jump == 0.0 or head.floor_state == FLOOR_TOUCHED:
         return
