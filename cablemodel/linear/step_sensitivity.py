@@ -3,9 +3,10 @@
 A change of an input or a parameter moves the line by the equations of motion made linear about the
 step that is made: x' = A(t) x + B(t) u. They are integrated by the Radau IIA formula of order 5 (E.
 Hairer & G. Wanner, Solving Ordinary Differential Equations II, 1996, table IV.5.6), with A and B
-from the Newton matrices at the step's own states at the formula's times, in as many pieces as the
-engine makes steps of it: as accurately as that, waves along the line too. So these are the
-derivatives of the motion itself; those of the integrator's result differ by its errors.
+from the Newton matrices at the step's own states at the formula's times. Pieces of the step are
+halved until no output's derivatives change, or they are the engine's own steps, which follow waves
+along the line, too. So these are the derivatives of the motion itself; those of the integrator's
+result differ by its errors.
 
 Of a parameter p B is -M^-1 dR/dp, where the residual R is linear or nearly so in all that is looked
 at: its central difference between two scenes' tables is as exact as the matrices.
@@ -31,6 +32,7 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
+    from cablemodel.linear.model import LinearModel
     from cablemodel.model import CableModel
     from cablemodel.scene import Scene
 
@@ -46,6 +48,10 @@ WEIGHTS = np.array(
     ]
 )
 """Radau IIA of three stages: times and weights within a piece."""
+AT_ONCE = 1e-6
+"""Of a step: within it the mesh follows what was due, and a jump at its begin."""
+SETTLED = 1e-3
+"""Of an output's largest derivative: what half as long pieces change."""
 SHARE = 1e-4
 """Of a parameter, its change for a central difference; of one that is zero in SI units."""
 OF_EDGES = ("mass", "added_mass", "weight", "drag_normal", "drag_tangential", "compliance")
@@ -118,36 +124,53 @@ def step_sensitivity(
             if end is not None
         }
 
-    whole, ahead = (_with_its_mesh(model) for _ in range(2))
-    whole.step(dt, **inputs(1.0))
-    pieces = whole.statistics["steps"] - model.statistics["steps"]
-    first = LineEquations(ahead)
-    last = first.linear_model({c.path: c.residual(first) for c in changes})
-    paths = tuple(parameters)
-    rates, count = len(last.inputs) - len(paths), len(last.states)
-    # An input that ends by one more has grown evenly.
-    scale = np.concatenate([np.full(rates, 1.0 / dt), np.ones(len(paths))])
-    x: FloatArray = np.zeros((count, len(scale)))
-    h = dt / pieces
-    for piece in range(pieces):
-        matrix = np.eye(3 * count)
-        right = np.tile(x, (3, 1))
-        for j, time in enumerate(TIMES):
-            part = (piece + time) / pieces
+    def along(pieces: int) -> tuple[LinearModel, FloatArray, FloatArray]:
+        """The line's equations at the step's end, derivatives of its state, and of its outputs."""
+        ahead = _with_its_mesh(model)
+        # Before anything has moved: what is due of the mesh, then what a jump asks of it.
+        for part in (AT_ONCE, 2.0 * AT_ONCE):
             ahead.step_to(begin + part * dt, **inputs(part))
-            equations = LineEquations(ahead)
-            if equations.names != first.names:
-                raise CableModelError(
-                    f"sensitivities: the mesh changed between {begin:g} and {ahead.time:g} s; give "
-                    "a shorter step"
-                )
-            last = equations.linear_model({c.path: c.residual(equations) for c in changes})
-            for i in range(3):
-                rows = slice(i * count, (i + 1) * count)
-                matrix[rows, j * count : (j + 1) * count] -= h * WEIGHTS[i, j] * last.A
-                right[rows] += h * WEIGHTS[i, j] * last.B * scale
-        x = np.asarray(np.linalg.solve(matrix, right)[2 * count :])
-    y = last.C @ x + last.D * scale
+        first = LineEquations(ahead)
+        last = first.linear_model({c.path: c.residual(first) for c in changes})
+        rates, count = len(last.inputs) - len(changes), len(last.states)
+        # An input that ends by one more has grown evenly.
+        scale = np.concatenate([np.full(rates, 1.0 / dt), np.ones(len(changes))])
+        x: FloatArray = np.zeros((count, len(scale)))
+        h = dt / pieces
+        for piece in range(pieces):
+            matrix = np.eye(3 * count)
+            right = np.tile(x, (3, 1))
+            for j, time in enumerate(TIMES):
+                part = (piece + time) / pieces
+                ahead.step_to(begin + part * dt, **inputs(part))
+                equations = LineEquations(ahead)
+                if equations.names != first.names:
+                    raise CableModelError(
+                        f"sensitivities: the mesh changed between {begin:g} and {ahead.time:g} s; "
+                        "give a shorter step"
+                    )
+                last = equations.linear_model({c.path: c.residual(equations) for c in changes})
+                for i in range(3):
+                    rows = slice(i * count, (i + 1) * count)
+                    matrix[rows, j * count : (j + 1) * count] -= h * WEIGHTS[i, j] * last.A
+                    right[rows] += h * WEIGHTS[i, j] * last.B * scale
+            x = np.asarray(np.linalg.solve(matrix, right)[2 * count :])
+        return last, x, last.C @ x + last.D * scale
+
+    whole = _with_its_mesh(model)
+    whole.step(dt, **inputs(1.0))
+    most = whole.statistics["steps"] - model.statistics["steps"]
+    pieces = 1
+    last, x, y = along(pieces)
+    while pieces < most:
+        pieces = min(2 * pieces, most)
+        before = y
+        last, x, y = along(pieces)
+        largest = np.abs(y).max(axis=1, keepdims=True)
+        if (np.abs(y - before) <= SETTLED * largest).all():
+            break
+    paths = tuple(parameters)
+    rates = len(last.inputs) - len(paths)
     return StepSensitivity(
         inputs=last.driven[:rates],
         parameters=paths,

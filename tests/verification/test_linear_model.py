@@ -406,3 +406,10 @@ def test_sensitivity_of_a_pendulum_is_that_of_its_equation():
     # Lifted, it hardly stretches.
     lifted = found.of("tip_position.z", "vessel_velocity.z")
     assert lifted == pytest.approx(0.5 * dt, abs=1e-4)
+
+
+def test_sensitivities_of_a_short_step_with_a_jump():
+    """Its waves ask for another mesh as it begins: that is none that changes within it."""
+    model = paying_out()
+    short = model.sensitivities(0.05, payout_rate=0.25)
+    assert np.isfinite(short.output_by_input).all()
