@@ -7,6 +7,7 @@ fails is a row of the result like any other, with the error's text.
 from __future__ import annotations
 
 import copy
+import hashlib
 import itertools
 import json
 import logging
@@ -184,8 +185,9 @@ def sweep(
 
     Returns:
         A row for every finished run, in the order of the combinations (the index): the values, the
-        results (`RESULTS`, of a system `results_of`: of the end of the run, and its extremes) and
-        ``error``, empty where all went well.
+        results (`RESULTS`, of a system `results_of`: of the end of the run, and its extremes),
+        ``error``, empty where all went well, and ``sweep``, by which a table of another scene,
+        end or other changes is told.
 
     Raises:
         SceneError: nothing to sweep over, no combination is a scene, or what is done is of another
@@ -211,23 +213,38 @@ def sweep(
         for point in points
     ]
     _refuse_if_none_loads(text, folder, changes)
-    rows = {} if done is None else _rows_of(done, _table(axes, points, {}, results), axes, points)
+    same = _fingerprint(text, fixed, until, converge)
+
+    def table() -> pandas.DataFrame:
+        return _table(axes, points, rows, results).assign(sweep=same)
+
+    rows: dict[int, dict[str, Any]] = {}
+    if done is not None:
+        rows = _rows_of(done, table(), axes, points, same)
 
     def report() -> None:
         if finished is not None:
-            finished(len(rows), _table(axes, points, rows, results))
+            finished(len(rows), table())
 
     simulate = partial(simulate_point, text, folder, until=until, converge=converge)
     left = {index: change for index, change in enumerate(changes) if index not in rows}
     if not left:
         report()
-        return _table(axes, points, rows, results)
+        return table()
     with _client(scheduler, workers, len(left)) as client:
         try:
             _collect(client, simulate, left, rows, report)
         finally:
             report()
-    return _table(axes, points, rows, results)
+    return table()
+
+
+def _fingerprint(
+    text: str, overrides: Sequence[str], until: float | str | None, converge: bool
+) -> str:
+    """Of what the runs of a sweep have in common: no table of another one is gone on with."""
+    common = [_data_of(text), list(overrides), until, converge]
+    return hashlib.sha256(json.dumps(common, sort_keys=True, default=str).encode()).hexdigest()[:12]
 
 
 def _simulate_points(
@@ -521,10 +538,11 @@ def _rows_of(
     empty: pandas.DataFrame,
     axes: Sequence[Axis],
     points: Sequence[Sequence[Any]],
+    same: str,
 ) -> dict[int, dict[str, Any]]:
     """Rows of the runs of an earlier table that ended well, by their place among the points.
 
-    empty: a table of this sweep without runs.
+    empty: a table of this sweep without runs. same: its fingerprint.
 
     Raises:
         SceneError: the table is not of this sweep.
@@ -535,6 +553,13 @@ def _rows_of(
         other = [str(name) for name in done.columns if name not in empty.columns]
         problem = f"the table has other columns: {', '.join(other) or 'fewer'}"
         raise SceneError.at("", list(done.columns), problem, ", ".join(map(str, empty.columns)))
+    if any(done["sweep"] != same):
+        problem = (
+            "the table is of a sweep over another scene, or with other --set, --until, --converge"
+        )
+        raise SceneError.at(
+            "", done["sweep"].iloc[0], problem, "a table of this sweep, or a new one"
+        )
     rows = {}
     for index, row in zip(done.index, done.to_dict("records"), strict=True):
         if not 0 <= index < len(points):
@@ -571,10 +596,12 @@ def grid_of(table: pandas.DataFrame) -> xarray.Dataset:
     if "run" in table.columns:
         table = table.set_index("run")
     # Pandas reads the empty text of a file as none.
+    made = table["sweep"].dropna().unique() if "sweep" in table.columns else []
+    table = table.drop(columns="sweep", errors="ignore")
     errors = table["error"].astype(object).where(table["error"].notna() | table["time"].isna(), "")
     grid: xarray.Dataset = table.assign(error=errors).set_index(swept_columns(table)).to_xarray()
     grid["error"] = grid["error"].fillna("not finished").astype(str)
-    return grid
+    return grid.assign_attrs(sweep=str(made[0])) if len(made) == 1 else grid
 
 
 def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
@@ -593,7 +620,7 @@ def read_table(path: str | os.PathLike[str]) -> pandas.DataFrame:
         if not {"run", "time", "error"} <= set(table.columns):
             raise CableModelError(f"{path} is not the table of a sweep")
         table = table.set_index("run")
-        numbers = table.columns[table.columns.get_loc("time") : -1]
+        numbers = table.columns[table.columns.get_loc("time") : table.columns.get_loc("error")]
         table[numbers] = table[numbers].apply(pandas.to_numeric)
     elif ending == ".parquet":
         require("pyarrow", extra="export", what="Parquet")

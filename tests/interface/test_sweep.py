@@ -280,6 +280,13 @@ def test_a_table_of_another_sweep_is_not_gone_on_with(tmp_path: Path) -> None:
     assert "run 0 of the table has 0.01" in result.output
     result = command(SCENE, "--over", f"{LENGTH}=20,30", *arguments, "--resume")
     assert f"the table has other columns: {DIAMETER}" in result.output
+    for other in (("--until", "2"), ("--set", f"{LENGTH}=30"), ("--converge",)):
+        swept = (SCENE, "--over", f"{DIAMETER}=0.01,0.02", "--until", "1", *other, "-o", path)
+        result = command(*swept, "--resume")
+        assert result.exit_code == 2, result.output
+        assert "of a sweep over another scene, or with other --set" in " ".join(
+            result.output.split()
+        )
     assert path.read_text() == before
     path.write_text("a,b\n1,2\n")
     result = command(SCENE, "--over", f"{LENGTH}=20,30", *arguments, "--resume")
