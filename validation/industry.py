@@ -135,23 +135,26 @@ def heaving() -> tuple[list[Row], Any]:
         for motion, reach in (("A1", 2.0), ("A2", 5.0)):
             series = np.array([list(map(float, r[2:])) for r in table if r[:2] == [name, motion]])
             model = moored(CHAIN, across, 0.0, depth, length, waves=SURFACE)
-            static = model.top_tension / 1e3
+            static = np.array([model.top_tension, model.state().tension[-1]]) / 1e3
             found = _heaved(model, reach, series[:, 0])
-            scale = np.abs(series[:, 2] - static).max()
-            off = 100.0 * float(np.abs(found - series[:, 2]).max() / (2.0 * scale))
+            off = np.abs(found - series[:, 2:]).max(axis=0)
+            off *= 50.0 / np.abs(series[:, 2:] - static).max(axis=0)
             case = f"{name}, heave of {reach:g} m"
-            rows.append(Row("heave", case, "OrcaFlex", "fairlead, of twice the swing", off, 15.0,
-                            "%"))  # fmt: skip
+            rows += [
+                Row("heave", case, "OrcaFlex", f"{end}, of twice the swing", float(share), 15.0, "%")
+                for end, share in zip(("fairlead", "anchor"), off, strict=True)
+            ]
             one = next(grid_of)
             one.plot(series[:, 0], series[:, 2], color=draw.REFERENCE, label="OrcaFlex")
-            one.plot(series[:, 0], found, color=draw.FOUND, label="cablemodel")
+            one.plot(series[:, 0], found[:, 0], color=draw.FOUND, label="cablemodel")
             draw.label(one, "time [s]", "fairlead [kN]" if name == "WD0050" else "", case)
     rows += _hour()
     return rows, figure
 
 
 def _heaved(model: cm.CableModel, reach: float, times: Any, warm: float = 60.0) -> Any:
-    """Fairlead tension [kN] at times [s] after `warm` seconds of heave (whole periods)."""
+    """Fairlead's and anchor's tensions [kN], (times, 2), at times [s] after `warm` seconds of heave
+    (whole periods)."""
     rate, found = 2.0 * math.pi / 10.0, []
     instants = np.arange(1, round((warm + times[-1]) / 0.1) + 1) * 0.1
     wanted = {round(10 * (warm + t)) for t in times}
@@ -162,7 +165,7 @@ def _heaved(model: cm.CableModel, reach: float, times: Any, warm: float = 60.0) 
         speed = reach * (rise * math.sin(rate * t) + up * rate * math.cos(rate * t))
         model.step_to(t, vessel_position=[0, 0, z], vessel_velocity=[0, 0, speed])
         if k in wanted:
-            found.append(model.top_tension / 1e3)
+            found.append((model.top_tension / 1e3, model.state().tension[-1] / 1e3))
     return np.array(found)
 
 

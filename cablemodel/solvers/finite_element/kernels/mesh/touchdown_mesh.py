@@ -331,7 +331,6 @@ def may_be_halved(I, M, node):
 
     The first bit of another cable that has begun to leave the drum lies in the top element.
     """
-    state = scalars(M)
     n = moved_by_winch(I, M, node)
     if n < 0:
         return True
