@@ -141,7 +141,9 @@ def heaving() -> tuple[list[Row], Any]:
             off *= 50.0 / np.abs(series[:, 2:] - static).max(axis=0)
             case = f"{name}, heave of {reach:g} m"
             rows += [
-                Row("heave", case, "OrcaFlex", f"{end}, of twice the swing", float(share), 15.0, "%")
+                Row(
+                    "heave", case, "OrcaFlex", f"{end}, of twice the swing", float(share), 15.0, "%"
+                )
                 for end, share in zip(("fairlead", "anchor"), off, strict=True)
             ]
             one = next(grid_of)
