@@ -124,7 +124,7 @@ def sited(top: float, anchor: tuple[float, float], pieces: Any) -> cm.CableModel
 # Chains in motion --------------------------------------------------------------------------------
 
 
-@family("heave", "Industry: chains whose fairlead heaves")
+@family("heave", "Industry: chains whose fairlead heaves; of twice the swing")
 def heaving() -> tuple[list[Row], Any]:
     """z = A sin(2 pi t / 10), and an hour of two motions at once."""
     rows, (figure, grid) = [], draw.axes(6, 15.0)
@@ -141,9 +141,7 @@ def heaving() -> tuple[list[Row], Any]:
             off *= 50.0 / np.abs(series[:, 2:] - static).max(axis=0)
             case = f"{name}, heave of {reach:g} m"
             rows += [
-                Row(
-                    "heave", case, "OrcaFlex", f"{end}, of twice the swing", float(share), 15.0, "%"
-                )
+                Row("heave", case, "OrcaFlex", end, float(share), 15.0, "%")
                 for end, share in zip(("fairlead", "anchor"), off, strict=True)
             ]
             one = next(grid_of)

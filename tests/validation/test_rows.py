@@ -52,7 +52,7 @@ MISSED = {
     ("snaps", "tau 0.0001, EI 0.01 of a bar", "highest, worst"),
     ("cables", "80 m, touchdown that moves", "nearest touchdown"),
     *(
-        ("heave", f"{chain}, heave of {reach} m", "anchor, of twice the swing")
+        ("heave", f"{chain}, heave of {reach} m", "anchor")
         for chain in ("WD0050", "WD0200", "WD0600")
         for reach in (2, 5)
     ),
