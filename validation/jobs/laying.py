@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import cablemodel as cm
@@ -117,25 +118,37 @@ def lay_speeding_up() -> Result:
 
 @job
 def drag_grapnel() -> Result:
-    """A catenary that leaves the floor level, with the friction of what lies as its pull."""
+    """The static equation up from the floor, pulled by friction and drag of what lies."""
     given, ours = scene("drag_grapnel"), model("drag_grapnel")
-    weight, depth, length = kinds(given)["rope"].weight, 1000.0, 1800.0
+    rope, weight = given.cable_types["rope"], kinds(given)["rope"].weight
+    depth, length, speed, friction = 1000.0, 1800.0, 0.2, 0.6
+    along = 0.5 * 1025.0 * np.pi * rope.diameter * rope.drag_tangential
+    across = 0.5 * 1025.0 * rope.diameter * rope.drag_normal
 
-    def missing(pull):
-        hung = np.sqrt(depth**2 + 2.0 * depth * pull / weight)
-        return 0.6 * (10e3 + weight * (length - hung)) - pull
+    def slope(_s, y):
+        pull = np.hypot(*y[2:])
+        t = y[2:] / pull
+        flow = np.array([-speed, 0.0])
+        over = flow - (flow @ t) * t
+        drag = across * np.hypot(*over) * over + along * abs(flow @ t) * (flow @ t) * t
+        return np.concatenate([t * (1.0 + pull / rope.axial_stiffness), [0.0, weight] - drag])
 
-    pull = brentq(missing, 1e3, 3e4)
-    hung = float(np.sqrt(depth**2 + 2.0 * depth * pull / weight))
+    def end(lies):
+        pull = friction * 10e3 + 0.5 * 1025.0 * 0.5 * speed**2
+        pull += lies * (friction * weight + along * speed**2)
+        start = [0.0, -depth, pull, 0.0]
+        return solve_ivp(slope, [0.0, length - lies], start, rtol=1e-9, atol=1e-6).y[:, -1]
+
+    lies = brentq(lambda lies: end(lies)[1], 0.0, 700.0)
+    top = float(np.hypot(*end(lies)[2:]))
     times, tops = [], []
     for k in range(1, 151):
         ours.step_to(20.0 * k)
         times.append(ours.time)
         tops.append(ours.top_tension)
-    top = pull + weight * depth
     answers = [
-        Answer("tension at the ship", tops[-1], top, "N", 0.01 * top),
-        Answer("rope on the floor", ours.floor_length, length - hung, "m", 10.0),
+        Answer("tension at the ship", tops[-1], top, "N", 0.001 * top),
+        Answer("rope on the floor", ours.floor_length, lies, "m", 1.8),
         Answer("speed of the grapnel", ours.tip_velocity[0], 0.2, "m/s", 0.005),
     ]
     series = {"cablemodel": (times, tops), "independent": ([0, 3000], [top, top])}
