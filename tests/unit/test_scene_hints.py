@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -127,3 +128,19 @@ def test_words_of_systems_are_told_where_one_line_has_another_way() -> None:
     for word in ("bodies", "cuts"):
         assert meant(word, list(one)).startswith("line")
         assert meant(word, list(end)) == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "key"),
+    [
+        ("tau", "tolerance"),
+        ("sea_floor", "floor"),
+        ("bathymetry", "floor: {depth_table: ...}"),
+        ("normal_drag", "drag_normal"),
+        ("damping", "axial_damping"),
+    ],
+)
+def test_words_of_the_trade_are_told_the_key(word: str, key: str) -> None:
+    known = [keys for keys in mappings() if re.split(r"\W", key, maxsplit=1)[0] in keys]
+    assert known
+    assert meant(word, known[0]) == key
