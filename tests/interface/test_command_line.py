@@ -403,6 +403,17 @@ def test_check_as_json() -> None:
     assert any(item.startswith("current") for item in report["skipped"])
 
 
+def test_check_says_where_a_landing_bends_too_shortly_to_be_seen() -> None:
+    """(EI/w)^(1/3) beside tau L; not at the tolerance that it names."""
+    lay = ROOT / "scenes" / "cable_lay.yaml"
+    words = "the bend where cable lands"
+    report = json.loads(invoke("check", lay, "--json").stdout)
+    (told,) = (item for item in report["skipped"] if item.startswith(words))
+    assert "a tolerance of 0.0003 shows it" in told
+    finer = json.loads(invoke("check", lay, "--set", "solver.tolerance=2.9e-4", "--json").stdout)
+    assert not any(item.startswith(words) for item in finer["skipped"])
+
+
 def test_check_names_what_is_not_skipped() -> None:
     report = json.loads(
         invoke(
