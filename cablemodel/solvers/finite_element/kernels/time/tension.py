@@ -23,6 +23,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     UNDERRATED,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import rubs
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import lowest_gap
 from cablemodel.solvers.finite_element.kernels.line.closures import scale_gaps
 from cablemodel.solvers.finite_element.kernels.line.newton import increment_norm
 from cablemodel.solvers.finite_element.kernels.line.system import (
@@ -617,17 +618,24 @@ def solves(I, M, dt, scatter):
 
 @outlined
 def error_kept(I, M, error, gamma_dt):
-    """Error of a step's tensions [tolerances], where cable rubs: friction keeps it along what lies.
+    """Error of a step's tensions [tolerances], where cable rubs: along what lies friction keeps it,
+    and it may be no more than what lasts elsewhere.
 
     error: of the positions, (nodes, 2, dimension) [m]; it is overwritten.
     """
     head = header(I)
     filter_motion(I, M, error, gamma_dt)
     left_in = spare_row(I, ROW_LEFT)
+    q = view(M, head.trial_position, 2 * head.dimension * head.nodes)
+    depth = scalars(M).floor_depth
     worst = 0.0
     for node in range(1, head.nodes):
-        if I[head.joint + node] == 0:
-            worst = max(worst, abs(M[left_in + 2 * node]) / allowed_at(I, M, node))
+        if I[head.joint + node] != 0:
+            continue
+        missed = abs(M[left_in + 2 * node]) / allowed_at(I, M, node)
+        if TENSION_SHARE * worst < missed and lowest_gap(I, M, q, node) < depth:
+            missed /= TENSION_SHARE
+        worst = max(worst, missed)
     return worst
 
 
@@ -646,7 +654,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
     if at_once and (head.parts == 0 or dt < TENSION_NEARLY * longest_unwatched(M)):
         return 0.0, FOLLOWS
     if rubs(I, M):
-        return error_kept(I, M, error, gamma_dt) / TENSION_SHARE, PASSES_OVER
+        return error_kept(I, M, error, gamma_dt), PASSES_OVER
     scatter = 0.0
     for node in range(1, watched(I)):
         if is_watched(I, node):
