@@ -409,7 +409,19 @@ def test_sensitivity_of_a_pendulum_is_that_of_its_equation():
 
 
 def test_sensitivities_of_a_short_step_with_a_jump():
-    """Its waves ask for another mesh as it begins: that is none that changes within it."""
-    model = paying_out()
-    short = model.sensitivities(0.05, payout_rate=0.25)
-    assert np.isfinite(short.output_by_input).all()
+    """The waves of a heavy fish ask for another mesh as it begins: none that changes within it."""
+    wire = {
+        "diameter": 0.012, "mass": 0.5, "axial_stiffness": 6e6, "bending_stiffness": 2.0,
+        "drag_normal": 1.4, "drag_tangential": 0.015,
+    }  # fmt: skip
+    fish = {"mass": 200.0, "submerged_weight": 1200.0, "added_mass": 80.0, "drag_area": 0.18}
+    tow = {
+        "cable_types": {"wire": wire},
+        "line": [{"cable": {"type": "wire", "length": 200.0}}, {"body": fish}],
+        "vessel": {"velocity": [2.0, 0.0, 0.0]},
+        "solver": {"tolerance": 1e-4},
+    }
+    found = cm.CableModel(cm.load_scene(tow)).sensitivities(0.1, vessel_velocity=[2.2, 0.0, 0.0])
+    # The line begins to move with its tow point: half of the step times the speed reached.
+    assert found.of("top_tension", "vessel_velocity.x") > 0.0
+    assert np.isfinite(found.state_by_input).all()
