@@ -56,6 +56,28 @@ def test_a_sudden_stop_keeps_it_too() -> None:
             assert model.top_tension == pytest.approx(held, abs=10.0 * tolerance * held + 14.0)
 
 
+@pytest.mark.parametrize("step", [1.0, 5.0, 10.0, 50.0])
+def test_a_winch_that_stops_keeps_what_the_floor_holds(step: float) -> None:
+    """A winch takes in half of a rope, of which the rest lies, and slid. H = mu w of what lies, by
+    the catenary: 2,887 N at the winch within ten tau (2,617 N by the step, before)."""
+    rates = [(0.0, 0.0), (30.0, -0.4), (1000.0, -0.4), (1030.0, 0.0)]
+    model = cm.CableModel(
+        {
+            "environment": {"floor": {"z": -100.0, "friction": 0.4}},
+            "cable_types": {"rope": {**ROPE, "bending_stiffness": 50.0}},
+            "line": [{"cable": {"type": "rope", "length": 800.0}}],
+            "payout": {"rate": [{"t": t, "rate": rate} for t, rate in rates]},
+        }
+    )
+    while model.time < 1200.0:
+        model.step(step)
+    pull = 0.0
+    for _pass in range(60):  # contracts by a factor of three
+        pull = 0.4 * WEIGHT * (400.0 - np.sqrt(100.0**2 + 200.0 * pull / WEIGHT))
+    expected = pull + 100.0 * WEIGHT
+    assert model.top_tension == pytest.approx(expected, rel=1e-2)
+
+
 CHAIN = {
     "diameter": 0.108, "mass": 72.0, "submerged_weight": 614.0, "axial_stiffness": 3.1e8,
     "drag_normal": 2.4, "drag_tangential": 0.4,
