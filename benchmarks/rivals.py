@@ -53,10 +53,8 @@ def cabledyn_contestants(scene: str, quick: bool = False) -> list[Contestant]:
 
     grids: dict[str, tuple[Sequence[int], Sequence[float]]] = {
         "S1": ((10, 20, 40, 80), (0.02, 0.01, 0.005, 0.0025)),
-        "J": (
-            (6, 10, 20, 40),
-            (0.5, 0.25, 0.2, 0.1, 0.05),
-        ),  # whole parts of the 3 s between instants
+        # Steps are whole parts of the 3 s between instants.
+        "J": ((6, 10, 20, 40), (0.5, 0.25, 0.2, 0.1, 0.05)),
     }
     if scene not in grids:
         return []

@@ -595,9 +595,9 @@ def grid_of(table: pandas.DataFrame) -> xarray.Dataset:
     require("xarray", extra="export", what="xarray")
     if "run" in table.columns:
         table = table.set_index("run")
-    # Pandas reads the empty text of a file as none.
     made = table["sweep"].dropna().unique() if "sweep" in table.columns else []
     table = table.drop(columns="sweep", errors="ignore")
+    # Pandas reads the empty text of a file as none.
     errors = table["error"].astype(object).where(table["error"].notna() | table["time"].isna(), "")
     grid: xarray.Dataset = table.assign(error=errors).set_index(swept_columns(table)).to_xarray()
     grid["error"] = grid["error"].fillna("not finished").astype(str)

@@ -295,7 +295,7 @@ def _skipped(scene: Scene, model: CableModel) -> list[str]:
         skipped.append("bending: no cable of this line has any")
     elif not bending:
         skipped.append("bending: no cable of this line has any, and gets some only on the floor")
-    if bending and model.floor_length > 0.0:
+    if model.floor_length > 0.0:
         skipped += _bend_of_a_landing(scene)
     for given, words in (
         (scene.environment.current is not None, "current: none in the scene"),
@@ -312,16 +312,13 @@ def _skipped(scene: Scene, model: CableModel) -> list[str]:
 def _bend_of_a_landing(scene: Scene) -> list[str]:
     """Said where the bend at the touchdown is too short for the tolerance: its curvature, and the
     floor's force there, are a few per cent off from `_BENDS` times tau L on, and soon all of it."""
-    cable = scene.cables[-1]
-    kind = scene.cable_types[cable.type]
-    weight = kind.submerged_weight or 0.0
-    if (
-        scene.solver.method != "finite_element"
-        or cable.model == "cable"
-        or not kind.bending_stiffness * weight > 0.0
-    ):
+    from cablemodel.solvers.finite_element.start.scales import is_flexible
+    from cablemodel.solvers.finite_element.start.sea_floor import touchdown_layer
+
+    cable, accuracy = scene.cables[-1], scene.solver.tolerance
+    if scene.solver.method != "finite_element" or is_flexible(scene, cable):
         return []
-    reach, accuracy = (kind.bending_stiffness / weight) ** (1 / 3), scene.solver.tolerance
+    reach = touchdown_layer(scene, cable)
     finer = reach / (_BENDS * scene.line_length)
     if accuracy <= finer:
         return []

@@ -79,7 +79,7 @@ def test_what_took_steps_without_end_comes_to_its_end(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "share", "steps"),
-    [(515, 1.0, 400), (515, 0.5, 400), (585, 1.0, 3000), (602, 0.5, 800)],
+    [(515, 1.0, 400), (515, 0.5, 400), (585, 1.0, 3000), (602, 0.5, 400)],
 )
 def test_what_failed_or_took_steps_of_nothing_completes(
     seed: int, share: float, steps: int
@@ -87,8 +87,7 @@ def test_what_failed_or_took_steps_of_nothing_completes(
     """A clamp that rounding turned (515), and slack cable that a vessel pushes or pays out.
 
     Its top element folds, and was halved into two that were a quarter too long and too short. How
-    many steps 585 and 602 take is chance: 1,951 to 2,494 and 178 to 485 at nine tolerances within
-    1 % of each other.
+    many steps 585 takes is chance: 1,951 to 2,494 at nine tolerances within 1 % of each other.
     """
     drawn = draw(seed)
     trace, _model = run(drawn, drawn.scene, share * drawn.tolerance, cpu_limit=30.0)

@@ -355,23 +355,16 @@ def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
 def test_slack_without_bending_stiffness_takes_hardly_anything_off_the_top_tension(
     kind: dict[str, float], knots: float, depth: float, slack: float
 ) -> None:
-    """It leaves the floor without tension, and is limp there: what folds does not push back.
-
-    How far a second's tension is off at most goes with how it folds: 1.1 to 1.6 % by changes of
-    1e-9, so the median of five counts.
-    """
-    worst = []
-    for change in (0.0, 1e-9, -1e-9, 1e-7, -1e-7):
-        scene, rate = lay(kind, knots, depth, bending=0.0, slack=slack + change)
-        model = started(scene)
-        tops = []
-        for second in range(1, 101):
-            model.step_to(float(second))
-            tops.append(model.top_tension)
-        top, _length = independent(kind, knots, rate, 0.0, depth, straight=True)
-        assert np.mean(tops[50:]) == pytest.approx(top, rel=7e-3)
-        worst.append(np.abs(np.array(tops) / top - 1.0).max())
-    assert np.median(worst) < 1.5e-2
+    """It leaves the floor without tension, and is limp there: what folds does not push back."""
+    scene, rate = lay(kind, knots, depth, bending=0.0, slack=slack)
+    model = started(scene)
+    tops = []
+    for second in range(1, 101):
+        model.step_to(float(second))
+        tops.append(model.top_tension)
+    top, _length = independent(kind, knots, rate, 0.0, depth, straight=True)
+    assert np.mean(tops[50:]) == pytest.approx(top, rel=7e-3)
+    assert np.abs(np.array(tops) / top - 1.0).max() < 1.5e-2
 
 
 def test_a_lay_down_a_slope_that_gets_too_little_cable_is_told() -> None:
