@@ -6,7 +6,7 @@ import json
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -100,6 +100,7 @@ def run(
         writable(log, (".mcap",), "--log")
     estimate = ["solver.error_estimate=true"] if error_estimate else []
     loaded = read_scene(scene, [*(overrides or ()), *estimate])
+    _warn(loaded.notes)
     end = None if until is None else seconds_of("--until", until)
     interval = None if state_interval is None else seconds_of("--state-interval", state_interval)
     reached = [math.nan]
@@ -147,6 +148,11 @@ def _say_why(scene: Scene | SystemScene) -> None:
     from cablemodel.scene import Scene
 
     found = scene_warnings(scene) if isinstance(scene, Scene) else system_warnings(scene)
+    _warn(warning for warning in found if warning not in scene.notes)  # those were said before
+
+
+def _warn(found: Iterable[str]) -> None:
+    """Say on standard error what looks wrong."""
     for warning in found:
         typer.echo(f"cablemodel: warning: {warning}", err=True)
 

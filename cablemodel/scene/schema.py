@@ -304,11 +304,12 @@ class Scene(Document):
                 if math.dist(point, place) > reach:
                     problem = f"the shape is {math.dist(point, place):g} m away from its end"
                     yield SceneProblem(f"initial.points.{index}", point, problem, name)
-        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
-        if self.initial.velocities == "rest" and speed > 0.0:
-            problem = f"the tow point moves at {speed:g} m/s and would tear a cable at rest along"
+        speed, given = self._speed_at_start, self.initial.velocities
+        rests = given == "rest" or (isinstance(given, tuple) and not any(map(any, given)))
+        if rests and speed > 0.0:
+            problem = f"the tow point moves at {speed:g} m/s and would jerk a cable at rest along"
             allowed = "steady, or a velocity for each of points"
-            yield SceneProblem("initial.velocities", "rest", problem, allowed)
+            yield SceneProblem("initial.velocities", given, problem, allowed)
         if self.initial.velocities == "steady" and anchor is not None and speed > 0.0:
             problem = f"the tow point moves at {speed:g} m/s away from an anchor"
             yield SceneProblem("initial.velocities", "steady", problem, "one for each of points")
@@ -437,13 +438,28 @@ class Scene(Document):
         return moves and self.environment.floor is not None and self.rate_at_start > 0.0
 
     def rest_under_way(self) -> str:
-        """What to know of points that start at rest under a tow point that moves; else empty."""
-        speed = math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))
-        if self.initial.points is None or self.initial.velocities is not None or speed == 0.0:
+        """What to know of a line that starts at rest under a tow point that moves; else empty."""
+        speed = self._speed_at_start
+        if self.starts_at_rest or self.initial.velocities is not None or speed == 0.0:
             return ""
-        if self.starts_steady and self.solver.method == "finite_element":
+        finite_element = self.solver.method == "finite_element"
+        straight = self.initial.points is None
+        if finite_element and (self.starts_steady or (straight and self.rate_at_start != 0.0)):
             return ""
+        shape = "initial.straight starts" if straight else "initial.points start"
+        steadily = self.end.anchor is None
+        if steadily and (straight or not finite_element):
+            instead = "initial: static starts"
+        elif steadily:
+            instead = "velocities: steady, or one for each of points, start"
+        else:
+            instead = "initial.points with velocities, one for each, start"
         return (
-            f"initial.points start at rest under a tow point that moves at {speed:g} m/s: the "
-            "cable is torn along; velocities: steady, or one for each of points, start with it"
+            f"{shape} at rest under a tow point that moves at {speed:g} m/s: the line is jerked "
+            f"along, and its first tensions are those of the jerk; {instead} with its motion"
         )
+
+    @property
+    def _speed_at_start(self) -> float:
+        """Of the tow point [m/s]."""
+        return math.hypot(*(float(part) for part in self.motion().evaluate(0.0)[1]))

@@ -642,6 +642,19 @@ def told_of_a_start(scene: Path, words: str) -> str:
     return result.stderr
 
 
+def test_a_start_at_rest_under_a_ship_that_moves_is_told(tmp_path: Path) -> None:
+    scene = tmp_path / "tow.yaml"
+    scene.write_text(
+        "cable_types: {K: {diameter: 0.05, mass: 5.2, axial_stiffness: 60 MN}}\n"
+        "line: [{cable: {type: K, length: 500}}]\n"
+        "vessel: {velocity: [5 kn, 0, 0]}\n"
+        "initial: {straight: [-0.9, 0, -0.44]}\n"
+        "run: {duration: 0.01, output_interval: 0.01}\n"
+    )
+    told = told_of_a_start(scene, "at rest under a tow point that moves at 2.57222 m/s")
+    assert told.count("the line is jerked along") == 1
+
+
 def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
     """By `check` with its other findings, by a run on standard error, without the place in code."""
     scene = tmp_path / "sinker.yaml"

@@ -306,9 +306,13 @@ def test_points_take_velocities() -> None:
     assert np.abs(far).max() < 1e-9
 
 
-def test_rest_under_a_ship_that_moves_is_refused() -> None:
-    with pytest.raises(cm.SceneError, match=r"initial.velocities.*moves at 2 m/s"):
-        cm.load_scene(from_points(velocities="rest"))
+@pytest.mark.parametrize("rest", ["rest", [[0, 0, 0]] * 3])
+def test_rest_under_a_ship_that_moves_is_refused(rest: Any) -> None:
+    """By its name, or as velocities that are all zero."""
+    with pytest.raises(cm.SceneError, match=r"initial.velocities.*moves at 2 m/s.*jerk"):
+        cm.load_scene(from_points(velocities=rest))
+    still = from_points(velocities=rest) | {"vessel": {"velocity": [0, 0, 0]}}
+    assert not cm.load_scene(still).notes
 
 
 def test_no_line_to_an_anchor_moves_steadily() -> None:
@@ -332,6 +336,17 @@ def test_rest_under_a_ship_that_moves_is_told(change: str) -> None:
         data["solver"] = {"method": "direct_integration"}
     (note,) = cm.load_scene(data).notes
     assert "start at rest under a tow point that moves at 2 m/s" in note
+    assert ("steady" in note) == (change in ("winch stands", "drum is empty"))
+
+
+def test_a_straight_line_at_rest_under_a_ship_that_moves_is_told() -> None:
+    """Unless a winch pays it out: it moves along with the ship then."""
+    data = from_points() | {"initial": {"straight": [-0.9, 0.0, -0.1]}}
+    assert not cm.load_scene(data).notes
+    del data["payout"]
+    (note,) = cm.load_scene(data).notes
+    assert "starts at rest under a tow point that moves at 2 m/s: the line is jerked" in note
+    assert "initial: static" in note
 
 
 def test_direct_integration_refuses_velocities_of_points() -> None:
