@@ -179,19 +179,35 @@ class SweptStartWarning(StartWarning):
 
 
 class TautLayWarning(StartWarning):
-    """A lay down a slope starts without tension where it lands, and pays out less than it takes.
+    """A lay that pays out less than it takes: what lies is dragged from the start on; or, down a
+    slope or over ridges, it starts without tension where it lands, and becomes taut.
 
-    Attributes: ``rate`` of the pay-out, ``needed`` by a lay without tension there [m/s].
+    Attributes: ``rate`` of the pay-out, ``needed`` by a lay without tension there [m/s];
+    ``tension`` where it lands at the start [N], None: it starts without; ``floor`` in words.
     """
 
-    def __init__(self, rate: float, needed: float) -> None:
-        super().__init__(rate, needed)
+    def __init__(
+        self,
+        rate: float,
+        needed: float,
+        tension: float | None = None,
+        floor: str = "down this slope",
+    ) -> None:
+        super().__init__(rate, needed, tension, floor)
         self.rate = rate
         self.needed = needed
+        self.tension = tension
+        self.floor = floor
 
     def __str__(self) -> str:
+        if self.tension is not None:
+            return (
+                f"this lay takes {self.needed:.5g} m/s and gets {self.rate:.5g}: it is taut, and "
+                f"starts with {self.tension:.4g} N where it lands, of the friction of what is "
+                f"dragged over the floor, by {self.needed - self.rate:.3g} m/s"
+            )
         return (
-            f"a lay down this slope takes {self.needed:.5g} m/s and gets {self.rate:.5g}: it "
+            f"a lay {self.floor} takes {self.needed:.5g} m/s and gets {self.rate:.5g}: it "
             "starts without tension where it lands, and becomes taut as it goes"
         )
 

@@ -670,19 +670,28 @@ def test_an_unstable_start_is_told_in_words(tmp_path: Path) -> None:
     assert "cablemodel: warning: the static start is an unstable equilibrium" in told
 
 
-def test_a_lay_that_becomes_taut_is_told_in_words(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("slope", "rate", "words"),
+    [
+        (-0.09, 1.0, "a lay down this slope takes 1.03"),
+        (0.0, 0.97, "this lay takes 1 m/s and gets 0.97: it is taut, and starts with "),
+    ],
+)
+def test_a_lay_that_is_or_becomes_taut_is_told_in_words(
+    tmp_path: Path, slope: float, rate: float, words: str
+) -> None:
     scene = tmp_path / "lay.yaml"
     scene.write_text(
-        "environment: {floor: {z: -100, friction: 0.5, slope: [-0.09, 0]}}\n"
+        f"environment: {{floor: {{z: -100, friction: 0.5, slope: [{slope}, 0]}}}}\n"
         "cable_types: {K: {diameter: 0.02, mass: 0.8, axial_stiffness: 8 MN,\n"
         "  bending_stiffness: 5}}\n"
         "line: [{cable: {type: K, length: 400}}]\n"
         "vessel: {velocity: [1, 0, 0]}\n"
-        "payout: {rate: 1, drum: [{cable: {type: K, length: 200}}]}\n"
+        f"payout: {{rate: {rate}, drum: [{{cable: {{type: K, length: 200}}}}]}}\n"
         "run: {duration: 0.01, output_interval: 0.01}\n"
     )
-    told = told_of_a_start(scene, "a lay down this slope takes 1.03")
-    assert "cablemodel: warning: a lay down this slope takes 1.03" in told
+    told = told_of_a_start(scene, words)
+    assert f"cablemodel: warning: {words}" in told
     assert "finite_element" not in told
 
 

@@ -72,6 +72,7 @@ def test_the_estimate_is_the_error_from_the_exact_path_of_a_pendulum(tolerance: 
     assert exact.max() < estimated.max() < 2.5 * exact.max()
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")  # of the scene recovery
 @pytest.mark.parametrize("name", ["towed_cable", "turn", "deployment", "recovery"])
 def test_the_estimate_bounds_the_distance_from_a_far_finer_run(name: str) -> None:
     path = SCENES / f"{name}.yaml"
@@ -241,6 +242,7 @@ def test_a_finer_run_without_a_start_leaves_the_run_as_it_is(
     ] * 3
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")  # of the scene recovery
 def test_runs_with_and_without_it_are_no_different() -> None:
     path = SCENES / "recovery.yaml"
     plain, run = (cm.simulate(cm.load_scene(path, given), until=20.0) for given in ((), [ESTIMATE]))

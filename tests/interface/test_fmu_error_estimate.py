@@ -106,6 +106,7 @@ def test_every_output_over_a_run_with_inputs(still):
     slave.close()
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")  # of the scene recovery
 @pytest.mark.parametrize(
     ("name", "steps", "dt"),
     [("recovery", 20, 0.5), ("deployment", 30, 0.5), ("whip", 20, 0.05), ("touchdown", 30, 1.0)],

@@ -94,6 +94,7 @@ def test_the_scenes_own_schedule(name, tmp_path):
         slave.close()
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")  # of the scene recovery
 @pytest.mark.parametrize(
     ("name", "steps", "dt"),
     [

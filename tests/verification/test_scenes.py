@@ -209,6 +209,7 @@ def lay_tension(kind, speed, payout, depth, density=1025.0):
     return (kind.submerged_weight - along / np.sin(angle)) * depth
 
 
+@pytest.mark.filterwarnings("ignore::cablemodel.TautLayWarning")  # of the scene recovery
 def test_recovery_brings_the_lander_on_board():
     """Tension: what hangs, at rest; the lander is lifted, and passes the tow point."""
     scene = load("recovery")

@@ -139,7 +139,8 @@ def test_a_taut_lay_starts_with_what_it_drags(
     """0.2 % short: all that lies slides, and its friction is the tension at the touchdown; from
     there up the differential equations with (m + ma) V^2 hold."""
     scene, rate = lay(kind, knots, depth, bending=bending, slack=-0.002)
-    model = started(scene)
+    with pytest.warns(cm.TautLayWarning, match="it is taut"):
+        model = started(scene)
     weight, _ = lay_angle(kind, knots * KNOT)
     lying = model.floor_length
     touchdown = float(model.sample([model.line_length - lying]).tension[0])
@@ -206,7 +207,8 @@ def test_a_taut_lay_up_a_slope_starts_with_what_it_drags(slope: float, slack: fl
     (without drag along the cable); and so it goes on, without a jump."""
     kind = {**LIGHT, "drag_tangential": 0.0}
     scene, _rate = lay(kind, 2.0, 170.0, bending=700.0, slope=slope, slack=slack)
-    model = started(scene)
+    with pytest.warns(cm.TautLayWarning, match="it is taut"):
+        model = started(scene)
     weight, _ = lay_angle(kind, 2.0 * KNOT)
     up = math.radians(slope)
     lies = model.floor_length * (0.5 * math.cos(up) + math.sin(up))
@@ -395,6 +397,30 @@ def test_a_lay_down_a_slope_that_gets_too_little_cable_is_told() -> None:
     before = model.top_tension
     model.step_to(30.0)
     assert model.top_tension > 1.02 * before
+
+
+def test_a_lay_that_is_taut_from_the_start_is_told() -> None:
+    """With the tension where it lands: the friction of all that is dragged."""
+    exact, rate = lay(LIGHT, 2.0, 200.0, bending=1.0)
+    data = exact.model_dump(mode="json", exclude_unset=True)
+    data["payout"]["rate"] = 0.97 * rate
+    with pytest.warns(cm.TautLayWarning, match="it is taut") as told:
+        model = cm.CableModel(cm.load_scene(data))
+    (warning,) = (each.message for each in told)
+    assert isinstance(warning, cm.TautLayWarning)
+    assert (warning.rate, warning.needed) == pytest.approx((0.97 * rate, rate), rel=1e-12)
+    weight, _ = lay_angle(LIGHT, 2.0 * KNOT)
+    assert warning.tension == pytest.approx(0.5 * weight * model.floor_length, rel=0.03)
+
+
+def test_a_lay_over_ridges_that_gets_too_little_cable_is_told() -> None:
+    exact, rate = lay(LIGHT, 2.0, 200.0, bending=1.0)
+    data = exact.model_dump(mode="json", exclude_unset=True)
+    table = [{"x": x, "z": -200.0 + math.sin(x / 30.0)} for x in np.arange(-900.0, 301.0, 15.0)]
+    data["environment"]["floor"] = {"depth_table": table, "friction": 0.5}
+    data["payout"]["rate"] = 0.97 * rate
+    with pytest.warns(cm.TautLayWarning, match="a lay over these ridges takes 1.0289 m/s"):
+        cm.CableModel(cm.load_scene(data))
 
 
 @pytest.mark.parametrize("seed", [22508, 24349, 25763, 29753])

@@ -116,9 +116,7 @@ def build(
                 found = built(sought, planar, room, strategy)
                 if laid_start.applies(sought):
                     _say_what_friction_lacks(found, sought, as_laid=strategy.as_laid)
-                if laid_loads.becomes_taut(sought):
-                    needed = laid_loads.lay_rate(sought)
-                    warnings.warn(TautLayWarning(sought.rate_at_start, needed), stacklevel=2)
+                _say_what_is_taut(found, sought)
                 flexible = any(is_flexible(sought, cable) for cable in sought.cables)
                 found.header.lays_slack = int(flexible and laid_loads.lays_slack(sought))
                 if _is_held_under_way(scene):
@@ -183,11 +181,31 @@ def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> No
         warnings.warn(SweptStartWarning(needed), stacklevel=3)
     if as_laid or scene.rate_at_start <= 0.0 or not block.scalars.laid:
         return
+    tension, most = _tension_at_the_touchdown(block, scene)
+    if abs(tension) > DRAWN * most:
+        warnings.warn(DrawnStartWarning(tension), stacklevel=3)
+
+
+def _say_what_is_taut(block: Block, scene: Scene) -> None:
+    """Warn of a lay that pays out less than it takes."""
+    rate, floor = scene.rate_at_start, scene.environment.floor
+    if not laid_start.is_lay(scene) or floor is None:
+        return
+    needed = laid_loads.lay_rate(scene)
+    if laid_loads.becomes_taut(scene):
+        where = "over these ridges" if floor.z is None else "down this slope"
+        warnings.warn(TautLayWarning(rate, needed, None, where), stacklevel=3)
+    elif laid_loads.is_dragged(scene) and laid_start.which_lie(block, scene).any():
+        tension = _tension_at_the_touchdown(block, scene)[0]
+        warnings.warn(TautLayWarning(rate, needed, tension), stacklevel=3)
+
+
+def _tension_at_the_touchdown(block: Block, scene: Scene) -> tuple[float, float]:
+    """Of a lay: tension where it lands, and the largest [N]."""
     hangs = np.flatnonzero(~laid_start.which_lie(block, scene))
     tension = block.array(Header.tension, int(block.header.nodes), 2)[:, 0]
     lands = min(int(hangs[-1]) + 2, len(tension) - 1)  # below the last place that is clear
-    if abs(tension[lands]) > DRAWN * tension.max():
-        warnings.warn(DrawnStartWarning(float(tension[lands])), stacklevel=3)
+    return float(tension[lands]), float(tension.max())
 
 
 def _strategies(scene: Scene) -> Iterator[Strategy]:
