@@ -147,17 +147,18 @@ class StartWarning(UserWarning):
 class DrawnStartWarning(StartWarning):
     """A lay starts with tension in what lies, which friction was to hold: no such start was found.
 
-    Attributes: ``tension`` at the touchdown [N].
+    Attributes: ``tension`` at the touchdown [N]; ``by``: what draws at it, in words.
     """
 
-    def __init__(self, tension: float) -> None:
-        super().__init__(tension)
+    def __init__(self, tension: float, by: str = "its own weight down the slope") -> None:
+        super().__init__(tension, by)
         self.tension = tension
+        self.by = by
 
     def __str__(self) -> str:
         return (
             f"no start was found in which friction holds what has been laid: it starts with "
-            f"{self.tension:.4g} N where it lands, drawn by its own weight down the slope"
+            f"{self.tension:.4g} N where it lands, drawn by {self.by}"
         )
 
 

@@ -708,6 +708,7 @@ def test_check_says_what_looks_wrong_where_there_is_no_start(tmp_path: Path) -> 
     assert result.exit_code == 1
     assert "are its diameter (80 m)" in " ".join(result.stdout.split())
     assert "no static equilibrium" in result.stderr
+    assert "Tried: without friction" in " ".join(result.stderr.split())
     result = invoke("run", scene)
     assert result.exit_code == 1
     assert "cablemodel: warning: cable type power has a density" in result.stderr

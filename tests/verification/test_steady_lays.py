@@ -365,6 +365,61 @@ def test_a_start_that_takes_too_long_says_what_was_tried() -> None:
         cm.CableModel(cm.load_scene(data))
 
 
+REPEATER = {"name": "rep", "mass": 83, "submerged_weight": 500, "half_length": 0.8}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "reason"),
+    [
+        ("environment.floor.slope", [0.22, 0.0], "rises by 12.4 degrees .* comes down at 7.75: "),
+        ("line.1", {"body": REPEATER}, "body rep weighs 500 N, more than the 150.5 N"),
+        ("environment.current", [0.0, 1.2, 0.0], "drags at what lies there with 18.8 N/m, and fri"),
+        ("environment.floor.friction", 0.01, "friction of 0.01 holds nothing on a slope of 0.02"),
+    ],
+)
+def test_what_was_hard_about_a_start_is_named(path: str, value: Any, reason: str) -> None:
+    scene, _ = lay(LIGHT, 7.0, 40.0, bending=5.0, slope=math.degrees(math.atan(0.02)))
+    data = scene.to_dict()
+    data["solver"] = {"start_time_limit": 1e-6}
+    if path == "line.1":
+        data["line"] += [value, data["line"][0]]
+        overrides = []
+    else:
+        overrides = [f"{path}={value}"]
+    with pytest.raises(cm.StaticsError, match=f"What makes it hard: .*{reason}"):
+        cm.CableModel(cm.load_scene(data, overrides))
+
+
+def hills(
+    kind: dict[str, float], knots: float, depth: float, height: float, length: float, ahead: float
+) -> cm.Scene:
+    """An exact lay over hills that are so high and long; ahead: of their phase at the ship."""
+    level, _rate = lay(kind, knots, depth, bending=kind["bending_stiffness"])
+    data = level.to_dict()
+    reach = 1.6 * data["line"][0]["cable"]["length"] + 500.0
+    x = np.arange(-reach, 0.1 * reach + 300.0, length / 16.0)
+    z = height * np.sin(2.0 * np.pi * x / length + ahead) - depth
+    table = [{"x": float(a), "z": float(b)} for a, b in zip(x, z, strict=True)]
+    data["environment"]["floor"] = {"depth_table": table, "friction": 0.5}
+    return cm.load_scene(data)
+
+
+THIN = {
+    "diameter": 0.0234, "mass": 0.82, "axial_stiffness": 10e6, "bending_stiffness": 8.0,
+    "drag_normal": 1.4, "drag_tangential": 0.006,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("ahead", [0.0, 3.5])
+@pytest.mark.filterwarnings("error::cablemodel.DrawnStartWarning")
+def test_a_lay_over_hills_starts_without_tension_where_it_lands(ahead: float) -> None:
+    """It started as a drag, or was refused: on long bristles what lies slid from crest to crest."""
+    model = started(hills(THIN, 6.0, 4000.0, 33.3, 2400.0, ahead))
+    deep = -float(model.touchdown_position[2])
+    top, _length = independent(THIN, 6.0, 6.0 * KNOT, 0.0, deep, straight=True)
+    assert model.top_tension == pytest.approx(top, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     ("kind", "knots", "depth", "slack"),
     [(LIGHT, 6.0, 300.0, 0.03), (ARMOURED, 4.0, 400.0, 0.05), (LIGHT, 3.0, 100.0, 0.1)],

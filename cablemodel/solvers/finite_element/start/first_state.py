@@ -198,16 +198,8 @@ def solve_static(block: Block, scene: Scene, frame: FloatArray, strategy: Strate
     if status != at.OK:
         node = block.failed_node
         arc = block.array(Header.edges, int(head.nodes), at.EDGE_WORDS)[node, at.Edge.start]
-        advice = "Check weights, ends and current"
-        if head.floor_kind and not held:
-            if rate > 0.0 and scene.environment.current is None:
-                advice = "Give the cable more bending stiffness"
-            advice += ", let motion, pay-out and current come up from zero after the start"
-        hard = search.what_is_hard(scene)
-        why = f"What makes it hard: {hard}. " if hard else ""
-        raise StaticsError(
-            f"no static equilibrium was found; what moved last is {arc:g} m along the cable. "
-            f"{why}{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
+        raise search.NotFoundError(
+            f"no static equilibrium was found; what moved last is {arc:g} m along the cable"
         )
     hold_supports(block)
 

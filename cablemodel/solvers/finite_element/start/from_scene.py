@@ -68,7 +68,13 @@ from cablemodel.solvers.finite_element.start.scales import (
     start_conditions,
     tension_scale,
 )
-from cablemodel.solvers.finite_element.start.search import OutOfTimeError, searching, what_is_hard
+from cablemodel.solvers.finite_element.start.search import (
+    NotFoundError,
+    OutOfTimeError,
+    folds,
+    searching,
+    what_is_hard,
+)
 from cablemodel.solvers.finite_element.start.strategies import Strategy, described, strategies
 from cablemodel.solvers.finite_element.start.winch import Winch, lengths_of, winch_of
 from cablemodel.solvers.shared.layout import Header
@@ -130,7 +136,19 @@ def build(
                 if not strategy.as_laid:  # without friction it may come to rest
                     first = first or problem
     assert first is not None
-    raise first
+    if isinstance(first, NotFoundError):
+        first = search.ends_without(first, what_is_hard(scene), _advice(scene))
+    raise first from None
+
+
+def _advice(scene: Scene) -> str:
+    """What to do about a scene for which no start was found."""
+    advice = "Check weights, ends and current"
+    if scene.environment.floor is not None and scene.end.kind == "free":
+        if folds(scene) and scene.environment.current is None:
+            advice = "Give the cable more bending stiffness"
+        advice += ", let motion, pay-out and current come up from zero after the start"
+    return f"{advice}, or start from initial: {{straight: ...}} or {{points: ...}}"
 
 
 def _is_held_under_way(scene: Scene) -> bool:
@@ -183,7 +201,11 @@ def _say_what_friction_lacks(block: Block, scene: Scene, *, as_laid: bool) -> No
         return
     tension, most = _tension_at_the_touchdown(block, scene)
     if abs(tension) > DRAWN * most:
-        warnings.warn(DrawnStartWarning(tension), stacklevel=3)
+        floor = scene.environment.floor
+        slopes = floor is not None and (floor.z is None or any(floor.slope))
+        by = ["its own weight down the slope"] * slopes
+        by += ["the current"] * (scene.environment.current is not None)
+        warnings.warn(DrawnStartWarning(tension, " and ".join(by) or "its drag"), stacklevel=3)
 
 
 def _say_what_is_taut(block: Block, scene: Scene) -> None:

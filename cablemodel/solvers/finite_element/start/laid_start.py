@@ -201,7 +201,7 @@ def lie_still(
         laid = _places_in(coarser, block)
     else:
         laid = _laid_line(block, scene, q)
-        status, soft = _lay_freely(block, scene, laid, solve, steadier=steadier)
+        status, soft = _lay_freely(block, scene, laid, solve, hold, steadier=steadier)
         if status != at.OK or not which_lie(block, scene).any():
             return status
     if dragged:
@@ -228,7 +228,7 @@ def lie_still(
             return status
         # Cable that bends less is longer at the foot: where what lies stays, that presses it.
         block.image[:] = before
-        status, soft = _lay_freely(block, scene, laid, solve, steadier=steadier)
+        status, soft = _lay_freely(block, scene, laid, solve, hold, steadier=steadier)
         if status != at.OK:
             return status
     return continuation.continued(block, hold_with, step=1.0, smallest=SMALLEST_STEP)
@@ -255,16 +255,28 @@ def _lay_freely(
     scene: Scene,
     laid: FloatArray,
     solve: Callable[[], int],
+    at_once: Callable[[], int],
     *,
     steadier: bool,
 ) -> tuple[int, float]:
     """Let what lies slide on long bristles, and its line with it, to where they hold nothing; a
     status, and how long they are [m].
 
-    laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
+    Over ridges what long ones hold may slide from crest to crest without an end: there shorter ones
+    are tried before floors that harden. They leave some tension where the cable lands.
+
+    Args:
+        laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
+        solve: equilibrium of the block as it is, a status; at_once: the same on its own floor only.
     """
     soft = longest_bristle(block, scene)
     if not is_laid_back(scene):
+        if is_lay(scene) and not laid_loads.is_dragged(scene):
+            before, lay = block.image.copy(), laid.copy()
+            for length in (soft, STEADIER * soft, float(block.scalars.bristle)):
+                if _let_slide(block, scene, laid, at_once, length) == at.OK:
+                    return at.OK, length
+                block.image[:], laid[:] = before, lay
         return _let_slide(block, scene, laid, solve, soft), soft
     with _level_across(block, scene, laid[-1]) as along:
         before, lay = block.image.copy(), laid.copy()
@@ -356,7 +368,7 @@ def let_go(block: Block, scene: Scene, solve: Callable[[], int], *, steadier: bo
         return
     before = block.image.copy()
     lay = _laid_line(block, scene, _positions(block))
-    status, soft = _lay_freely(block, scene, lay, solve, steadier=steadier)
+    status, soft = _lay_freely(block, scene, lay, solve, solve, steadier=steadier)
     if status == at.OK:
         shape, drawn = shape_and_roots(block)
         bristle = float(block.scalars.bristle)
