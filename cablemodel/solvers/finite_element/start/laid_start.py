@@ -262,24 +262,26 @@ def _lay_freely(
     """Let what lies slide on long bristles, and its line with it, to where they hold nothing; a
     status, and how long they are [m].
 
-    Over ridges what long ones hold may slide from crest to crest without an end: there shorter ones
-    are tried before floors that harden. They leave some tension where the cable lands.
+    Over ridges what long ones hold may slide from crest to crest without an end: there bristles of
+    their own length are tried, which may leave some tension where the cable lands.
 
     Args:
         laid: where the nodes lie, or would, (nodes, dimension) [m]; moved along.
         solve: equilibrium of the block as it is, a status; at_once: the same on its own floor only.
     """
     soft = longest_bristle(block, scene)
+    before, lay = block.image.copy(), laid.copy()
+    if is_lay(scene) and not _is_even(scene) and not laid_loads.is_dragged(scene):
+        for length in (soft, float(block.scalars.bristle)):
+            block.image[:], laid[:] = before, lay
+            status = _let_slide(block, scene, laid, at_once, length)
+            if status == at.OK:
+                break
+        return status, length
     if not is_laid_back(scene):
-        if is_lay(scene) and not laid_loads.is_dragged(scene):
-            before, lay = block.image.copy(), laid.copy()
-            for length in (soft, STEADIER * soft, float(block.scalars.bristle)):
-                if _let_slide(block, scene, laid, at_once, length) == at.OK:
-                    return at.OK, length
-                block.image[:], laid[:] = before, lay
         return _let_slide(block, scene, laid, solve, soft), soft
     with _level_across(block, scene, laid[-1]) as along:
-        before, lay = block.image.copy(), laid.copy()
+        before = block.image.copy()
         status = at.STATICS_FAILED if steadier else _let_slide(block, along, laid, solve, soft)
         if status != at.OK:
             block.image[:], laid[:] = before, lay
