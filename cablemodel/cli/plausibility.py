@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from cablemodel.model import CableModel, CableState
@@ -66,7 +65,7 @@ def scene_warnings(scene: Scene) -> list[str]:
             f"({settings.duration:g} s): only the start and the end are output"
         )
     found += _angles_without_unit(_path_angles("vessel", scene.vessel) + _wave_angles(scene))
-    found += _fast_vessel("the tow point", scene.motion().typical_velocities())
+    found += _fast_vessel("the tow point", scene.motion().typical_speed)
     found += _heave_that_ends("vessel", scene.vessel, scene.run.duration)
     if scene.vessel.path is not None and scene.vessel.interpolation != "linear":
         found.append("vessel.interpolation is between rows of velocity: a path is as it is")
@@ -105,7 +104,7 @@ def system_warnings(scene: SystemScene) -> list[str]:
         weight = body.weight_in(scene.environment)
         found += _heavier_in_water(scene, f"bodies.{name}", weight, body.mass, "")
     for name, vessel in scene.vessels.items():
-        found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_velocities())
+        found += _fast_vessel(f"vessels.{name}", vessel.motion().typical_speed)
         found += _heave_that_ends(f"vessels.{name}", vessel, scene.run.duration)
         found += _waves_beyond_responses(scene, name)
     found += _fast_water(scene)
@@ -211,9 +210,8 @@ def _item_warnings(scene: CableScene, items: Iterable[LineItem]) -> list[str]:
     return found
 
 
-def _fast_vessel(what: str, velocities: NDArray[np.float64]) -> list[str]:
-    """A vessel that moves as none does: a unit left out, or the wrong one. velocities: (n, 3)."""
-    speed = float(np.linalg.norm(velocities, axis=1).max())
+def _fast_vessel(what: str, speed: float) -> list[str]:
+    """A vessel that moves as none does [m/s]: a unit left out, or the wrong one."""
     if speed <= _FASTEST:
         return []
     return [

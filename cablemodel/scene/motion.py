@@ -153,10 +153,13 @@ class VesselMotion:
 
         n is the number of pieces, of which each begins with what the one before ends with.
         """
-        begins = self.pieces[:, T_START]
-        later = np.minimum(self.pieces[:, T_END] - begins, 1.0)
-        found = [_rates(self.pieces, tau)[0] for tau in (np.zeros(len(later)), later)]
-        return np.concatenate(found)
+        later = np.minimum(self.pieces[:, T_END] - self.pieces[:, T_START], 1.0)
+        return np.concatenate([_velocities(self.pieces), _velocities(self.pieces, later)])
+
+    @cached_property
+    def typical_speed(self) -> float:
+        """The largest of the typical velocities [m/s]."""
+        return float(np.linalg.norm(self.typical_velocities(), axis=1).max())
 
     def is_planar(self) -> bool:
         """Whether the tow point stays in one vertical plane."""
@@ -316,7 +319,7 @@ def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     A jump of the velocity that is rounding is none.
     """
     spans = pieces[1:, T_START] - pieces[:-1, T_START]
-    ends, begins = _rates(pieces[:-1], spans), _rates(pieces[1:], np.zeros(len(spans)))
+    ends, begins = _rates(pieces[:-1], spans), _rates(pieces[1:])
     size = np.linalg.norm(begins[0], axis=1) + np.linalg.norm(ends[0], axis=1)
     velocity = np.linalg.norm(begins[0] - ends[0], axis=1)
     velocity[velocity <= 1e-9 * size] = 0.0
@@ -324,23 +327,42 @@ def jumps(pieces: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     return velocity, acceleration, jerk
 
 
-def _rates(pieces: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _rates(
+    pieces: FloatArray, tau: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Velocities [m/s], accelerations [m/s2] and jerks [m/s3], (n, 3), of pieces at times (n,) from
-    their starts [s]."""
-    c = pieces[:, SHAPE : SHAPE + 3 * (DEGREE + 1)].reshape(-1, DEGREE + 1, 3).transpose(1, 0, 2)
-    t = tau[:, None]
-    velocity, acceleration, jerk = (
-        _velocity(c, t),
-        _acceleration(c, t),
-        6.0 * c[3] + 24.0 * t * c[4],
-    )
+    their starts [s]; None: where they begin."""
+    c = _coefficients(pieces)
+    velocity = _velocities(pieces, tau)
+    if tau is None:
+        acceleration, jerk = 2.0 * c[2], 6.0 * c[3]
+    else:
+        t = tau[:, None]
+        acceleration, jerk = _acceleration(c, t), 6.0 * c[3] + 24.0 * t * c[4]
     for n in np.flatnonzero(pieces[:, KIND] == ARC):
-        velocity[n], acceleration[n] = evaluate_piece(pieces[n], pieces[n, T_START] + tau[n])[1:]
+        after = 0.0 if tau is None else tau[n]
+        acceleration[n] = evaluate_piece(pieces[n], pieces[n, T_START] + after)[2]
         spin = pieces[n, SHAPE + 6]
-        rate = pieces[n, SHAPE + 5] + spin * tau[n]
+        rate = pieces[n, SHAPE + 5] + spin * after
         across = np.array([-velocity[n, 1], velocity[n, 0], 0.0])  # to the left
         jerk[n] = 3.0 * spin * across - rate**2 * velocity[n]
     return velocity, acceleration, jerk
+
+
+def _velocities(pieces: FloatArray, tau: FloatArray | None = None) -> FloatArray:
+    """The first of `_rates`, (n, 3) [m/s]."""
+    c = _coefficients(pieces)
+    velocity = c[1].copy() if tau is None else _velocity(c, tau[:, None])
+    for n in np.flatnonzero(pieces[:, KIND] == ARC):
+        after = 0.0 if tau is None else tau[n]
+        velocity[n] = evaluate_piece(pieces[n], pieces[n, T_START] + after)[1]
+    return velocity
+
+
+def _coefficients(pieces: FloatArray) -> FloatArray:
+    """Of the powers of time in polynomial pieces (n, 24), (DEGREE + 1, n, 3)."""
+    shape = pieces[:, SHAPE : SHAPE + 3 * (DEGREE + 1)]
+    return shape.reshape(-1, DEGREE + 1, 3).transpose(1, 0, 2)
 
 
 def _polynomial(c: FloatArray, tau: Any) -> tuple[FloatArray, FloatArray, FloatArray]:

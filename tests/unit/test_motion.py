@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scene_examples import minimal
 
 import cablemodel as cm
+from cablemodel.cli.plausibility import scene_warnings
 from cablemodel.scene import VesselMotion
 from cablemodel.scene.motion import ARC, COLUMNS, KIND, POLYNOMIAL, SHAPE, T_END, T_START
 
@@ -299,7 +300,31 @@ def test_what_a_motion_hands_out_cannot_be_changed() -> None:
 
 def test_typical_velocities_are_those_at_each_begin_and_soon_after() -> None:
     rows = [{"t": 0, "velocity": [0, 0, 0]}, {"t": 4, "velocity": [2, 0, 0]}]
-    assert motion_of(velocity=rows).typical_velocities()[:, 0].tolist() == [0, 2, 0.5, 2]
+    motion = motion_of(velocity=rows)
+    assert motion.typical_velocities()[:, 0].tolist() == [0, 2, 0.5, 2]
+    assert motion.typical_speed == 2.0
+
+
+def test_a_start_looks_through_a_long_table_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1.5 million rows cost half a second each time."""
+    asked = []
+    velocities = VesselMotion.typical_velocities
+
+    def counted(self: VesselMotion) -> Any:
+        asked.append(self)
+        return velocities(self)
+
+    monkeypatch.setattr(VesselMotion, "typical_velocities", counted)
+    scene = cm.load_scene(
+        {
+            "cable_types": {"c": {"diameter": 0.02, "mass": 1.0, "axial_stiffness": 5e6}},
+            "line": [{"cable": {"type": "c", "length": 20.0}}],
+            "vessel": {"velocity": [1, 0, 0]},
+        }
+    )
+    cm.CableModel(scene)
+    assert not scene_warnings(scene)
+    assert len(asked) == 1
 
 
 def test_a_scene_makes_its_motion_once_and_another_vessel_has_its_own() -> None:

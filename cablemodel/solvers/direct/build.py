@@ -126,7 +126,7 @@ def build(scene: Scene, *, planar: bool | None = None) -> DirectBlock:
 def _tension_scale(scene: Scene) -> float:
     """A tension [N] that is typical of the line: what hangs on it, and some of its drag."""
     rho, gravity = scene.environment.water_density, scene.environment.gravity
-    speed = float(np.max(np.linalg.norm(scene.motion().typical_velocities(), axis=1)))
+    speed = scene.motion().typical_speed
     scale = sum(abs(body.submerged_weight) for body in scene.bodies)
     for cable in scene.cables:
         kind = scene.cable_types[cable.type]

@@ -41,7 +41,7 @@ def tension_per_length(scene: Scene) -> list[float]:
     """
     rho = scene.environment.water_density
     gravity = scene.environment.gravity
-    speed = float(np.linalg.norm(scene.motion().typical_velocities(), axis=1).max())
+    speed = scene.motion().typical_speed
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
     water = sea(scene)
