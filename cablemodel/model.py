@@ -483,7 +483,9 @@ class CableModel:
     def floor_length(self) -> float:
         """Length of cable from the touchdown on that the sea floor bears [m].
 
-        As a rigid floor would bear it: within 0.05 touchdown layers (EI/w)^(1/3) at rest.
+        As a rigid floor would bear it: at rest within 0.05 touchdown layers (EI/w)^(1/3) where the
+        bend there is resolved, else as it would bear a catenary, within tau L. In a run it wavers
+        as the touchdown does.
         """
         return float(self.numbers().floor_length)
 
@@ -491,7 +493,10 @@ class CableModel:
     def touchdown_position(self) -> FloatArray:
         """Touchdown point nearest the vessel (3,) [m]; not a number where no cable touches.
 
-        Where cable would meet a rigid floor: within 0.02 touchdown layers (EI/w)^(1/3) at rest.
+        Where cable would meet a rigid floor, about sqrt(EI/T) beyond a catenary's touchdown: at
+        rest within 0.02 touchdown layers (EI/w)^(1/3) where the bend there is resolved, else that
+        of the catenary, within tau L, or between the two. While cable lands it wavers: in 100 m of
+        water by tau L at a tolerance of 1e-3, and by 0.15 m, 6 tau L, at 1e-4.
         Nothing does where the scene has no floor: its force, length and reaction are then zero.
         """
         if self.scene.environment.floor is None:

@@ -446,3 +446,46 @@ def test_line_let_down_vertically_does_not_stand(line, tolerance):
     weight = 10.0 * WEIGHT + (20.0 if len(line) == 2 else 0.0)
     assert model.floor_force[2] - model.top_force[2] == pytest.approx(weight, abs=0.01)
     assert model.top_tension == pytest.approx(9.5 * WEIGHT, rel=0.05)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("bending", [0.0, 10.0, 60.0, 300.0])
+@pytest.mark.parametrize(("away", "length"), [(240.0, 300.0), (420.0, 450.0)])
+def test_the_touchdown_of_a_line_at_rest_is_a_catenarys_and_its_bends(
+    away: float, length: float, bending: float, tolerance: float
+) -> None:
+    """Of a catenary in 100 m of water, up to sqrt(EI/T) beyond it as the bend there is resolved;
+    the laid length counts from there."""
+    depth, weight = 100.0, 9.6
+
+    def hanging(height: float) -> float:
+        return math.sqrt(depth**2 + 2.0 * height * depth)
+
+    def reach(height: float) -> float:
+        return height * math.acosh(1.0 + depth / height)
+
+    height = brentq(lambda a: reach(a) + length - hanging(a) - away, 1e-3, 1e5)
+    beyond = math.sqrt(bending / (weight * height))
+    model = cm.CableModel(
+        cm.load_scene(
+            {
+                "environment": {"floor": {"z": -depth, "friction": 0.0}},
+                "cable_types": {
+                    "c": {
+                        "diameter": 0.028, "mass": 1.6, "submerged_weight": weight,
+                        "axial_stiffness": 2.5e9, "bending_stiffness": bending,
+                    }
+                },
+                "line": [{"cable": {"type": "c", "length": length}}],
+                "end": {"anchor": [away, 0, -depth]},
+                "solver": {"tolerance": tolerance},
+            }
+        )
+    )  # fmt: skip
+    within = tolerance * length
+    found = float(model.touchdown_position[0]) - reach(height)
+    laid = length - hanging(height) - model.floor_length
+    assert -within < found < beyond + within
+    assert laid == pytest.approx(found, abs=0.01 * within)
+    if bending == 300.0 and away == 240.0 and tolerance == 1e-4:  # its bend is resolved
+        assert found == pytest.approx(beyond, rel=0.06)
