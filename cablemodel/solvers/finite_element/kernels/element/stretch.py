@@ -2,9 +2,10 @@
 
 Where an element is split its third mode of strain becomes strain of both pieces. A number holds
 that mode, not the cable (stabilisation.py): as strain of the pieces it would become tension that
-nothing carries. At a winch that pays out, where elements become longest, what the pieces are
-strained by beyond their tension is their strain at rest: together it lengthens nothing, and it is
-forgotten far more slowly than anything moves. Not elsewhere: friction would keep what is forgotten.
+nothing carries, and send waves along the line. What the pieces are strained by beyond the tension
+that the element had there is their strain at rest: together it lengthens nothing, and it is
+forgotten far more slowly than anything moves. So it is where waves are followed (waves.py), and at
+a winch that pays out, where elements become longest: friction would keep what is forgotten.
 """
 
 import math
@@ -63,16 +64,36 @@ def third_strain(I, M, node):
 
 
 @kernel
+def third_tension_of(I, M, node):
+    """Tension of the third strain mode in the element above a node [N]."""
+    edge = edge_of(I, M, node)
+    return edge.stabilisation * third_strain(I, M, node) - edge.third_rest
+
+
+@kernel
 def splitting_tears(I, M, edge):
-    """Whether the third mode of a taut element would become tension of its pieces by more than
-    tensions may be wrong by. Not where nothing damps a line: there the mode rings."""
+    """Whether the third mode of a taut element would become more tension of its pieces than it has
+    itself, by more than tensions may be wrong by. Not where nothing damps a line: there it rings.
+    """
     if scalars(M).undamped != 0.0:
         return False
     promised = promised_tension(M)
     tension = tension_of(I, M, edge)
     taut = tension.mean - abs(tension.slope) > promised
-    off = OF_A_HALF * abs(third_strain(I, M, edge))
-    return taut and off > promised * edge_of(I, M, edge).compliance
+    compliance = edge_of(I, M, edge).compliance
+    beyond = third_strain(I, M, edge) - compliance * third_tension_of(I, M, edge)
+    return taut and OF_A_HALF * abs(beyond) > promised * compliance
+
+
+@kernel
+def split_third(I, M, upper, lower, x, third):
+    """Let two elements, pieces x and 1 - x of one whose third mode had a tension [N], carry that as
+    it did: P2 along a piece has a mean and a slope."""
+    y = 1.0 - x
+    tension_of(I, M, upper).mean += third * y * (y - x)
+    tension_of(I, M, lower).mean += third * x * (x - y)
+    tension_of(I, M, upper).slope -= third * 3.0 * x * y
+    tension_of(I, M, lower).slope += third * 3.0 * x * y
 
 
 @kernel

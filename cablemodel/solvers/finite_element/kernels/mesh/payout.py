@@ -20,8 +20,10 @@ from cablemodel.solvers.finite_element.kernels.element.stretch import (
     join_rests,
     rest_as_stretched,
     split_rests,
+    split_third,
     splitting_tears,
     take_in_rest,
+    third_tension_of,
 )
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
@@ -496,12 +498,15 @@ def split_edge(I, M, edge, x, hinge):
 
 @kernel
 def split_element(I, M, edge, x):
-    """Split an element in two. At a winch that pays out both rest as they are stretched, where that
-    would become tension. OK or NO_CAPACITY."""
+    """Split an element in two. Where waves run, and at a winch that pays out, both rest as they are
+    stretched, where that would become tension. OK or NO_CAPACITY."""
     top = winch_of_edge(I, M, edge)
-    tears = top >= 0 and winch_of(I, M, top).rate > 0.0 and splitting_tears(I, M, edge)
+    keeps = header(I).axial_waves != 0 or (top >= 0 and winch_of(I, M, top).rate > 0.0)
+    tears = keeps and splitting_tears(I, M, edge)
+    third = third_tension_of(I, M, edge) if tears else 0.0
     status = split_edge(I, M, edge, x, False)
     if status == OK and tears:
+        split_third(I, M, edge, edge + 1, x, third)
         rest_as_stretched(I, M, edge)
         rest_as_stretched(I, M, edge + 1)
     return status

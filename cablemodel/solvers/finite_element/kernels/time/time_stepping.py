@@ -460,8 +460,10 @@ def try_again(I, M, plan, happened):
     if happened == STIRS:
         wake(I, M, plan.stirred == 2)
         return change_mesh(I, M, False)
-    if happened == REACHES_FLOOR and head.axial_waves != 0 and head.floor_state == FLOOR_TOUCHED:
-        end_waves(I, M)
+    if happened == REACHES_FLOOR and head.floor_state == FLOOR_TOUCHED:
+        head.chosen = 0  # what folded as it hung freely may not any longer
+        if head.axial_waves != 0:
+            end_waves(I, M)
     if happened == BREAKS:
         state.step = plan.share * plan.dt
     return OK

@@ -22,7 +22,7 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import soften
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
-from cablemodel.solvers.finite_element.kernels.mesh.payout import split_edge
+from cablemodel.solvers.finite_element.kernels.mesh.payout import split_element
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
 from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
 from cablemodel.solvers.shared.access import (
@@ -174,16 +174,16 @@ def runs_through(I, M, root, end):
 @kernel
 def something_between(I, M, root, end, farthest):
     """Whether a body hangs on what is tied together elsewhere than at its far end: it throws waves
-    back, and their spectrum is another one. So does a body of finite length at that end; and what
-    presses its cable folds the fine elements that waves ask for."""
+    back, and their spectrum is another one."""
     head = header(I)
+    lasts = M[spare_row(I, ROW_TIMES) + farthest]
     for n in range(head.body_count):
         node = int(body_of(I, M, n).node)
-        if root < node < end and node != farthest:
+        if root < node < end and M[spare_row(I, ROW_TIMES) + node] < lasts:
             return True
     for n in range(head.free_count):
         node = int(free_body_of(I, M, n).node)
-        if root < node < end and node != farthest:
+        if root < node < end and M[spare_row(I, ROW_TIMES) + node] < lasts:
             return True
     return False
 
@@ -398,11 +398,8 @@ def follow_with_mesh(I, M, change):
             parts = parts_for_waves(I, M, node, row.wave_element)
             if parts > 1 and not change:
                 return CHANGED
-            if parts > 1:
-                # What bends stretches its parts unequally: positions are brought to the tensions.
-                scalars(M).joined = max(scalars(M).joined, edge_of(I, M, node).length)
             for left in range(parts, 1, -1):
-                if split_edge(I, M, node + parts - left, 1.0 / left, False) != OK:
+                if split_element(I, M, node + parts - left, 1.0 / left) != OK:
                     return NO_CAPACITY
                 changed = CHANGED
             for part in range(node, node + parts):
