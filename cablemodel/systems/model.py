@@ -230,6 +230,7 @@ class SystemModel:
         self._inputs = InputNames(self.scene)
         self._forces = np.zeros((len(self.scene.bodies), 6))
         self._angles = self._inputs.first_angles.copy()
+        self._left_alone = False  # whether a step is known to need nothing but its end
         self._motions = self._new_motions()
         self._moments = self._motions
         self._finer = _finer_model(self.scene) if self.scene.solver.error_estimate else None
@@ -281,13 +282,17 @@ class SystemModel:
         if "cuts" in inputs:
             inputs["cuts"] = names_of(inputs["cuts"])  # whatever it is, it is asked for twice
         block, beside = self.built.block, self._beside
-        drive = self._inputs.drive(inputs, self._angles, self.time)
         before = None  # a step that fails gives the state back, but not what drives it
-        pushed = drive.forces.any() or self._forces.any()
-        given = any(inputs.get(key) for key in ("vessels", "deflections", "rates"))
-        if given or self._drives(block) or pushed or drive.orders.any():
-            before = block.image.copy()
-            entry.drive(block.ints, block.reals, end, *drive.arrays)
+        forces, angles = self._forces, self._angles
+        if inputs or not self._left_alone:
+            drive = self._inputs.drive(inputs, self._angles, self.time)
+            forces, angles = drive.forces, drive.angles
+            pushed = drive.forces.any() or self._forces.any()
+            given = any(inputs.get(key) for key in ("vessels", "deflections", "rates"))
+            self._left_alone = not (given or self._drives(block) or pushed or drive.orders.any())
+            if not self._left_alone:
+                before = block.image.copy()
+                entry.drive(block.ints, block.reals, end, *drive.arrays)
         status = int(entry.step(block.ints, block.reals, end, NO_INPUTS))
         while status == at.NO_CAPACITY:
             block.grow()
@@ -298,7 +303,7 @@ class SystemModel:
                 block.take(before)
             problem, advice = MEANING[status]
             raise StepError(f"{part}: {problem}", time=self.time, arc_length=arc, advice=advice)
-        self._forces, self._angles, self._errors = drive.forces, drive.angles, None
+        self._forces, self._angles, self._errors = forces, angles, None
         if self._moments and self._moments[0] <= self.time:
             unstable = warn_if_unstable(self.built)
             self._moments = [t for t in self._moments if t > self.time and not unstable]
@@ -589,7 +594,7 @@ class SystemModel:
             run.built.block.take(image)
             forces, run._angles = np.split(words.copy(), [run._forces.size])
             run._forces = forces.reshape(run._forces.shape)
-            run._errors = None
+            run._left_alone, run._errors = False, None
 
     def reset(self) -> None:
         """Back to the initial state, t = 0."""
@@ -598,7 +603,7 @@ class SystemModel:
             run._forces[:] = 0.0
             run._moments = run._motions
             run._angles = run._inputs.first_angles.copy()
-            run._errors = None
+            run._left_alone, run._errors = False, None
 
 
 def _finer_model(scene: SystemScene) -> SystemModel | None:

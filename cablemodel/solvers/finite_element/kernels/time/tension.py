@@ -312,12 +312,13 @@ def phase_missed(change, off):
 
     change: of the tension in the step; off: what the prediction missed of it. Of a ring a at the
     angle x = w dt they are a x and a x^3 / 2, a quarter of a turn from its peaks both, and a step
-    is late by a x^3 / 3: after 2 / LOSS_FACTOR radians by a x^2 / 3 for each. Where x is not small
-    the line is too stiff for the step to follow.
+    is late by a x^3 / 3: after 2 / LOSS_FACTOR radians by a x^2 / 3 for each, and never by more
+    than 2 a. Where x is not small the line is too stiff for the step to follow.
     """
-    if 2.0 * off > change:
+    if off == 0.0 or 2.0 * off > change:
         return 0.0
-    return 2.0 / LOSS_FACTOR / 3.0 * math.sqrt(2.0 * off * change)
+    turn = math.sqrt(2.0 * off / change)
+    return min(2.0 / LOSS_FACTOR / 3.0 * change * turn, 2.0 * change / turn)
 
 
 @kernel
