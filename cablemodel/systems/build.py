@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from cablemodel.errors import SceneError
-from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import firm_friction, search
-from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built
@@ -49,31 +47,9 @@ def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Bui
     built = search_for.find()
     if not search_for.velocity.any():
         sought.tries("with friction")
-        built.friction_holds = _let_friction_hold(built.block)
+        built.friction_holds = firm_friction.take_hold(built.block)
     _start_flowing(scene, built)
     return built
-
-
-def _let_friction_hold(block: Block) -> bool:
-    """Let the floor's friction take hold of lines that lie to anchors, as of a line alone; whether
-    it did. Else the start stays as it is."""
-    from cablemodel.solvers import library as entry
-
-    if block.header.floor_kind == at.FLOOR_NONE or block.scalars.friction == 0.0:
-        return False
-    lengths = firm_friction.lengths_of(block)
-    if lengths is None:
-        return False
-    before = block.image.copy()
-    entry.lay_to_anchors(block.ints, block.reals)
-    if not firm_friction.take_hold(block, lengths):
-        block.take(before)
-        return False
-    hold_supports(block)
-    count_from_zero(block)
-    if block.header.hybrid:
-        entry.choose_bending(block.ints, block.reals)
-    return True
 
 
 def _start_flowing(scene: SystemScene, built: Built) -> None:

@@ -21,11 +21,10 @@ from cablemodel.errors import OverturnedStartWarning, StaticsError
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.start import continuation, sea_floor, search
 from cablemodel.solvers.finite_element.start.falling import TIMES, fall
-from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
 from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
 from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built
 from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
 from cablemodel.systems.guess import Guess, first_guess, ways_aside
@@ -33,7 +32,7 @@ from cablemodel.systems.lines import nodes_of, steady_velocity
 from cablemodel.systems.places import divided, place_nodes, refined
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import Instability, instability, is_pressed
-from cablemodel.systems.tables import filled, hold_feet, rest_feet
+from cablemodel.systems.tables import filled, hold_feet
 from cablemodel.systems.tree import tree_of
 
 FloatArray = NDArray[np.float64]
@@ -220,15 +219,14 @@ class Equilibria:
 
         block = built.block
         ints, reals = block.ints, block.reals
-        head = Header(ints)
-        state = Scalars(reals)
         solve = partial(search.equilibrium, block, self.velocity.copy())
         ways: list[Callable[[], int]] = [solve]
-        if head.floor_kind:
+        if block.header.floor_kind:
             harder = continuation.on_hardening_floors
             ways += [partial(harder, block, solve, floors) for floors in continuation.FLOORS]
         # What is free comes to rest without friction; it holds the lines from there.
-        friction, state.friction = state.friction, 0.0
+        friction = float(block.scalars.friction)
+        entry.lose_friction(ints, reals)
         hold_feet(self.scene, built)
         for attempt in range(2):
             status = continuation.first_of(block, ways)
@@ -242,13 +240,7 @@ class Equilibria:
             # The new stiffness changes the forces by a little: the state must meet them.
             if attempt or not entry.stabilise(ints, reals):
                 break
-        state.friction = friction
-        hold_supports(block)
-        sea_floor.rest_where_it_is(block)
-        rest_feet(self.scene, built)
-        count_from_zero(block)
-        if head.hybrid:
-            entry.choose_bending(ints, reals)
+        entry.stand_at_rest(ints, reals, friction)
 
     def _refine_at_floor(self, built: Built) -> None:
         """Refine a static shape where it meets the floor, and solve again from its own shape."""

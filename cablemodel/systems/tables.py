@@ -528,30 +528,16 @@ def fill_feet(scene: SystemScene, built: Built) -> None:
 
 
 def hold_feet(scene: SystemScene, built: Built) -> None:
-    """While a start is sought friction holds bodies that stand where the scene puts them, by their
-    places there; others slide to where their lines lead them."""
+    """While a start is sought without friction it holds bodies that stand where the scene puts
+    them, by their places there; others slide to where their lines lead them."""
     stands = standing(scene)
     floor = scene.environment.floor
     feet = feet_of(scene)
     rows = built.block.array(Header.feet, len(feet), at.FOOT_WORDS)
     for row, (name, place) in zip(rows, feet, strict=True):
-        row[at.Foot.friction] = 0.0
         if name in stands and floor is not None:
             row[at.Foot.friction] = floor.friction
             row[at.Foot.rest.span] = stands[name] + axes_of(scene.bodies[name].attitude) @ place
-
-
-def rest_feet(scene: SystemScene, built: Built) -> None:
-    """Make the present places of feet those of rest, and let friction hold them."""
-    from cablemodel.solvers import library as entry
-
-    floor = scene.environment.floor
-    if floor is None:
-        return
-    block = built.block
-    entry.rest_feet(block.ints, block.reals)
-    rows = block.array(Header.feet, int(block.header.foot_count), at.FOOT_WORDS)
-    rows[:, at.Foot.friction] = floor.friction
 
 
 def fill_closures(scene: SystemScene, built: Built) -> None:

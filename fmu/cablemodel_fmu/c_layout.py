@@ -84,7 +84,6 @@ def start_constants() -> dict[str, float]:
     from cablemodel.solvers.finite_element.kernels.outputs import interface
     from cablemodel.solvers.finite_element.start import (
         continuation,
-        firm_friction,
         refinement,
         scales,
     )
@@ -99,8 +98,6 @@ def start_constants() -> dict[str, float]:
         "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
         "SLOWEST": stability.SLOWEST,
         "FEW_STEPS": continuation.FEW_STEPS,
-        "SHORTER_AT_ONCE": firm_friction.SHORTER_AT_ONCE,
-        "DRAWINGS": firm_friction.DRAWINGS,
         "PROMISE": numbers.PROMISE,
         "SMALLEST_RADIUS": tables.SMALLEST_RADIUS,
         "AHEAD": interface.RATE_AHEAD,

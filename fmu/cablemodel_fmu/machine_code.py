@@ -16,19 +16,20 @@ from typing import Any
 from cablemodel.solvers.library import PREFIX
 
 RARE_KERNELS = (
-    "backup", "begin", "bending_mesh", "body_clamps", "body_passage", "buckling", "clamp_layer",
-    "closures", "consistency", "cuts", "energies", "feet", "firm_friction", "floor_memory",
-    "floor_outputs", "floor_state", "flow", "frames", "free_bodies", "given_shape", "hulls",
-    "inertia", "interface", "lengths", "mesh_motion", "part_outputs", "payout", "promote",
-    "raos", "resizing", "rigid", "rings", "rotation", "scales", "shear", "slack", "sleep",
-    "stabilisation", "statics", "stations", "stepping", "stretch", "summary", "surge",
-    "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "at_rest", "backup", "begin", "bending_mesh", "body_clamps", "body_passage", "buckling",
+    "clamp_layer", "closures", "consistency", "cuts", "energies", "feet", "firm_friction",
+    "floor_memory", "floor_outputs", "floor_state", "flow", "frames", "free_bodies",
+    "given_shape", "hulls", "inertia", "interface", "lengths", "mesh_motion", "part_outputs",
+    "payout", "promote", "raos", "resizing", "rigid", "rings", "rotation", "scales", "shear",
+    "slack", "sleep", "stabilisation", "statics", "stations", "stepping", "stretch", "summary",
+    "surge", "swinging", "tension", "top_element", "touchdown_mesh", "vessel_clamp", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size."""
 _MODULE = re.compile(r"7kernels\d+[a-z]+")
 """In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
 RARE_ENTRIES = (
     "arrange",
+    "begin_to_hold",
     "bodies",
     "count_from_zero",
     "count_growing",
@@ -44,9 +45,9 @@ RARE_ENTRIES = (
     "frame_motion",
     "force_rate",
     "force_response",
+    "go_on_holding",
     "hold_supports",
-    "lay_to_anchors",
-    "lengths_of_bristles",
+    "lose_friction",
     "measure",
     "measure_bends",
     "motion_matrices",
@@ -54,13 +55,12 @@ RARE_ENTRIES = (
     "parts",
     "resize_line",
     "resize_lines",
-    "rest_feet",
     "rest_here",
     "restore_bending",
     "rotate_system",
     "sample",
     "sample_elements",
-    "settle",
+    "stand_at_rest",
     "start_paying_out",
     "start_flow",
     "stop_flow",

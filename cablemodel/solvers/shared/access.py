@@ -27,6 +27,7 @@ from cablemodel.solvers.shared.layout import (
     ElementPoints,
     ElementTension,
     Energies,
+    FirmHold,
     FloorPlace,
     Foil,
     FoilRow,
@@ -89,6 +90,7 @@ cell_of = row_of(Cell, Header.cells)
 line_facts_at = record_at(LineFacts)
 cable_length_at = record_at(CableLength)
 start_move_at = record_at(StartMove)
+firm_hold_at = record_at(FirmHold)
 sea_layer_at = record_at(Layer)
 tension_of, tension_at = row_of(ElementTension, Header.tension), record_at(ElementTension)
 tension_rate_of = row_of(ElementTension, Header.tension_rate)

@@ -972,6 +972,20 @@ class StartMove(Record):
 START_MOVE_WORDS = StartMove.WORDS
 
 
+class FirmHold(Record):
+    """How friction takes hold of what lies to anchors, at a start: firm_friction.go_on_holding."""
+
+    own = real("length of bristles on which the start was found", "m")
+    least = real("as short as tensions ask", "m")
+    for_steps = real("that steps go on with", "m")
+    length = real("at which an equilibrium is sought; 0: at none yet", "m")
+    drawn = real("times that roots were drawn after what slips, at that length")
+    is_last = real("1: what is found next is the start")
+
+
+FIRM_HOLD_WORDS = FirmHold.WORDS
+
+
 class MotionChange(Record):
     """What a small change of the tow point's motion is now, and when it began; earth frame."""
 
@@ -1224,6 +1238,7 @@ NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, SINGULAR, STATICS_FAILED = 1, 2, 3, 4
 NO_CAPACITY = 6  # the block must grow before this step can be made
 STALLED, OVERSTRETCHED = 7, 8
 NOTHING, CHANGED = 0, 1  # what a look at the mesh finds, beside NO_CAPACITY
+SEARCH = -1  # in place of a status: an equilibrium is to be found next
 
 # Strain from which on a step is refused: rubber breaks before; so long a cable comes from an input
 # that is a mistake.

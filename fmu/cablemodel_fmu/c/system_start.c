@@ -13,7 +13,6 @@
 
 #define SMALLEST_PART (1.0 / 64.0) /* of the way, where larger ones fail */
 #define ROUNDING 4e-16             /* of the numbers of a difference that is made twice */
-#define SAME_BRISTLE 1e-9          /* of a bristle: one that differs by less is the same */
 
 static double *node_of(const Cable *cable, int64_t array, int64_t node) {
     return cable->M + cable->I[array] + 6 * node;
@@ -230,106 +229,30 @@ static int follow_supports(Cable *cable, double *before, double *grown) {
 
 /* -- equilibrium ------------------------------------------------------------------------------------ */
 
-/* Friction of the floor on lines and feet: 0, or that of the exported state. */
-static void set_friction(Cable *cable, int holds) {
-    const int64_t *I = cable->I, *image = initial_image(cable);
-    scalars(cable->M)->friction = holds ? scalars((const double *)image)->friction : 0.0;
-    for (int64_t n = 0; n < header(I)->foot_count; n++) {
-        const int64_t word = header(I)->feet + n * FOOT_WORDS + WORD(Foot, friction);
-        const int64_t exported = header(image)->feet + n * FOOT_WORDS + WORD(Foot, friction);
-        cable->M[word] = holds ? ((const double *)image)[exported] : 0.0;
-    }
-}
-
-/* The calls of Equilibria._come_to_rest, cablemodel/systems/equilibrium.py, but on its floor at once. */
+/* As Equilibria._come_to_rest of cablemodel/systems/equilibrium.py, but on its floor at once. */
 static int64_t come_to_rest(Cable *cable, double velocity[3]) {
-    int64_t status = STATICS_FAILED;
-    set_friction(cable, 0);
-    for (int attempt = 0; attempt < 2; attempt++) {
+    const double friction = scalars(cable->M)->friction;
+    cablemodel_lose_friction(cable->I, cable->block_words);
+    int64_t status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
+    if (status == OK && cablemodel_stabilise(cable->I, cable->block_words))
         status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
-        if (status != OK || attempt || !cablemodel_stabilise(cable->I, cable->block_words)) break;
-    }
-    if (status == OK) {
-        cablemodel_hold_supports(cable->I, cable->block_words);
-        cablemodel_rest_here(cable->I, cable->block_words);
-        cablemodel_rest_feet(cable->I, cable->block_words);
-    }
-    set_friction(cable, 1);
-    if (status != OK) return status;
-    cablemodel_count_from_zero(cable->I, cable->block_words);
-    if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
-    return OK;
-}
-
-/* -- where friction takes hold: cablemodel/solvers/finite_element/start/firm_friction.py -------------- */
-
-static int64_t equilibrium_at_rest(Cable *cable) {
-    double none[3] = {0};
-    return cablemodel_equilibrium(cable->I, cable->block_words, none, 3);
-}
-
-/* Equilibrium whose roots are drawn after what slips. */
-static int64_t drawn(Cable *cable) {
-    for (int n = 0; n < DRAWINGS; n++) {
-        const int64_t status = equilibrium_at_rest(cable);
-        if (status != OK) return status;
-        cablemodel_settle(cable->I, cable->block_words);
-    }
-    return OK;
-}
-
-static int64_t on_shorter(Cable *cable, double length, double shortest) {
-    for (;; length = fmax(shortest, length / SHORTER_AT_ONCE)) {
-        scalars(cable->M)->bristle = length;
-        const int64_t status = drawn(cable);
-        if (status != OK || length == shortest) return status;
-    }
-}
-
-/* Whether friction takes up more than what slips loses, against the tensions of an image. */
-static int takes_up(const Cable *cable, const int64_t *before) {
-    double most = -INFINITY, least = INFINITY;
-    for (int64_t node = 0; node < header(cable->I)->nodes; node++) {
-        const double up = ((const double *)before)[header(before)->tension + 2 * node] -
-                          cable->M[header(cable->I)->tension + 2 * node];
-        most = fmax(most, up);
-        least = fmin(least, up);
-    }
-    return most > -least;
-}
-
-/* The start as it is where there is none with friction. The exported bristles may be shorter than those
-   on which one is sought; they differ from these by rounding where they are not. */
-static int64_t let_friction_hold(Cable *cable) {
-    double lengths[3];
-    Scalars *state = scalars(cable->M);
-    if (header(cable->I)->floor_kind == FLOOR_NONE || state->friction == 0.0) return OK;
-    int64_t *before = copy_of_image(cable);
-    if (before == NULL) return NO_CAPACITY;
-    const int64_t lies = cablemodel_lengths_of_bristles(cable->I, cable->block_words, lengths, 3);
-    if (!(fabs(state->bristle - lengths[0]) <= SAME_BRISTLE * lengths[0]))
-        scalars((double *)before)->bristle = state->bristle = lengths[0];
-    int64_t status = OK;
-    if (lies != NOTHING) {
-        cablemodel_lay_to_anchors(cable->I, cable->block_words);
-        status = on_shorter(cable, lengths[0], lengths[1]);
-        if (status == OK && !takes_up(cable, before)) status = STATICS_FAILED;
-        if (status == OK) {
-            cablemodel_draw_alike(cable->I, cable->block_words, lengths[2]);
-            status = equilibrium_at_rest(cable);
-        }
-        if (status == OK) {
-            cablemodel_hold_supports(cable->I, cable->block_words);
-            cablemodel_count_from_zero(cable->I, cable->block_words);
-            if (header(cable->I)->hybrid) cablemodel_choose_bending(cable->I, cable->block_words);
-        } else if (status != NO_CAPACITY) {
-            lay_out_as(cable, before);
-            give_back(cable, before);
-            status = OK;
-        }
-    }
-    free(before);
+    if (status == OK) cablemodel_stand_at_rest(cable->I, cable->block_words, friction);
     return status;
+}
+
+/* The start as it is where there is none with friction. */
+static int64_t let_friction_hold(Cable *cable) {
+    double hold[FIRM_HOLD_WORDS], none[3] = {0};
+    if (cablemodel_begin_to_hold(cable->I, cable->block_words, hold, FIRM_HOLD_WORDS) == NOTHING) return OK;
+    int64_t status = OK, *before = copy_of_image(cable);
+    if (before == NULL) return NO_CAPACITY;
+    double *tensions = (double *)before + header(before)->tension;
+    while ((status = cablemodel_go_on_holding(cable->I, cable->block_words, status, hold, FIRM_HOLD_WORDS, tensions,
+                                              2 * header(before)->nodes)) == SEARCH)
+        status = cablemodel_equilibrium(cable->I, cable->block_words, none, 3);
+    if (status != OK) give_back(cable, before);
+    free(before);
+    return OK;
 }
 
 /* From a share of the way to another one. */

@@ -6,13 +6,11 @@ a count; see layout.py for the codes.
 
 from numba import float64, int64
 
-from cablemodel.solvers.finite_element.kernels.bodies import frames, vessel_clamp
+from cablemodel.solvers.finite_element.kernels.bodies import frames
 from cablemodel.solvers.finite_element.kernels.element import stabilisation
-from cablemodel.solvers.finite_element.kernels.floor import feet, floor_memory
 from cablemodel.solvers.finite_element.kernels.line import inertia, swinging, system
 from cablemodel.solvers.finite_element.kernels.mesh import (
     bending_mesh,
-    firm_friction,
     mesh_motion,
     resizing,
     touchdown_mesh,
@@ -25,13 +23,13 @@ from cablemodel.solvers.finite_element.kernels.outputs import (
     stations,
 )
 from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
+from cablemodel.solvers.finite_element.kernels.start import at_rest, firm_friction
 from cablemodel.solvers.finite_element.kernels.time import (
     begin,
     given_shape,
     promote,
     statics,
     stepping,
-    time_stepping,
 )
 from cablemodel.solvers.shared import environment
 from cablemodel.solvers.shared.access import header, scalars
@@ -80,8 +78,7 @@ def stabilise(I, M):
 @entry_point(int64(INTEGERS, REALS))
 def choose_bending(I, M):
     """Decide whether a hybrid's elements keep bending, and how stiff clamps are."""
-    time_stepping.update_bending(I, M)
-    vessel_clamp.update_springs(I, M, 1.0)
+    at_rest.choose_bending(I, M)
     return 0
 
 
@@ -94,30 +91,36 @@ def refine_at_floor(I, M):
     return touchdown_mesh.follow_floor(I, M, True, 0)
 
 
-@entry_point(int64(INTEGERS, REALS))
-def settle(I, M):
-    """Draw the places of rest on the floor after the present shape: floor_memory.settle."""
-    floor_memory.settle(I, M)
-    return 0
-
-
 @entry_point(int64(INTEGERS, REALS, REALS))
-def lengths_of_bristles(I, M, lengths):
-    """Of lines that lie to anchors [m]: firm_friction.lengths_of_bristles, which fills 3 words."""
-    return firm_friction.lengths_of_bristles(I, M, lengths)
+def begin_to_hold(I, M, hold):
+    """Before friction takes hold at a start: firm_friction.begin_to_hold; fills a FirmHold."""
+    return firm_friction.begin_to_hold(I, M, hold)
 
 
-@entry_point(int64(INTEGERS, REALS))
-def lay_to_anchors(I, M):
-    """Places of rest of what lies to anchors: firm_friction.lay_to_anchors."""
-    firm_friction.lay_to_anchors(I, M)
-    return 0
+@entry_point(int64(INTEGERS, REALS, int64, REALS, REALS))
+def go_on_holding(I, M, status, hold, before):
+    """Between the equilibria on that way: firm_friction.go_on_holding."""
+    return firm_friction.go_on_holding(I, M, status, hold, before)
 
 
 @entry_point(int64(INTEGERS, REALS, float64))
 def draw_alike(I, M, bristle):
     """Bristles of another length [m]: firm_friction.draw_alike."""
     firm_friction.draw_alike(I, M, bristle)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
+def lose_friction(I, M):
+    """No friction of the floor on lines and feet, while a start is sought."""
+    at_rest.set_friction(I, M, 0.0, 0.0)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS, float64))
+def stand_at_rest(I, M, friction):
+    """A system's start where an equilibrium was found: at_rest.stand_at_rest."""
+    at_rest.stand_at_rest(I, M, friction)
     return 0
 
 
@@ -168,13 +171,6 @@ def rest_here(I, M):
     """Make the present shape the place of rest: begin.rest_here."""
     begin.rest_here(I, M)
     return 0
-
-
-@entry_point(int64(INTEGERS, REALS))
-def rest_feet(I, M):
-    """Places of rest of bodies' feet: feet.rest_feet. Returns how many there are."""
-    feet.rest_feet(I, M)
-    return header(I).foot_count
 
 
 @entry_point(int64(INTEGERS, REALS))
@@ -445,10 +441,11 @@ ENTRY_POINTS = {
     "stabilise": stabilise,
     "choose_bending": choose_bending,
     "refine_at_floor": refine_at_floor,
-    "settle": settle,
-    "lengths_of_bristles": lengths_of_bristles,
-    "lay_to_anchors": lay_to_anchors,
+    "begin_to_hold": begin_to_hold,
+    "go_on_holding": go_on_holding,
     "draw_alike": draw_alike,
+    "lose_friction": lose_friction,
+    "stand_at_rest": stand_at_rest,
     "halve_at_rest": halve_at_rest,
     "measure_bends": measure_bends,
     "worst_of_shape": worst_of_shape,
@@ -456,7 +453,6 @@ ENTRY_POINTS = {
     "place_supports": place_supports,
     "hold_supports": hold_supports,
     "rest_here": rest_here,
-    "rest_feet": rest_feet,
     "count_from_zero": count_from_zero,
     "restore_bending": restore_bending,
     "start_flow": start_flow,

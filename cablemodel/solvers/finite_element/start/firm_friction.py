@@ -1,21 +1,11 @@
-"""A static start of an anchored cable in which friction takes hold as soon as its tension asks.
-
-Friction is a bristle of a length u. Where Coulomb's friction ends a tension, it creeps on over
-sqrt(EA u / (mu w)), and is wrong by sqrt(EA u mu w) / e at most. Cable that hardly stretches feels
-that at its anchor, though nothing has moved by more than u. A start has no steps to take: it is
-found on bristles that are as short as tensions ask. Steps go on with longer ones, drawn by the same
-shares: what a step may be wrong by would work shorter ones loose.
-
-Bristles get shorter bit by bit, and what slips is drawn after at each length.
-"""
+"""A static start in which friction takes hold of what lies to an anchor as soon as tension asks:
+kernels/start/firm_friction.py."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import search
@@ -24,27 +14,6 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-
-FloatArray = NDArray[np.float64]
-
-SHORTER_AT_ONCE = 2.0
-"""By how much bristles get shorter at a time, at most; at a fourth the tension beyond what slips
-is twice as wrong."""
-DRAWINGS = 4
-"""In which roots are drawn after what has slipped, at each length. With one of them what lies
-pulls twice as much at its anchor; from then on the elements decide."""
-
-
-@dataclass(frozen=True)
-class Lengths:
-    """Of bristles [m]."""
-
-    own: float
-    """On which the start was found."""
-    short: float
-    """As tensions ask."""
-    for_steps: float
-    """That steps go on with."""
 
 
 def applies(scene: Scene) -> bool:
@@ -56,64 +25,26 @@ def applies(scene: Scene) -> bool:
     return scene.starts_at_rest and not moves and scene.rate_at_start == 0.0
 
 
-def take_hold(block: Block, lengths: Lengths) -> bool:
-    """Find the start on shorter bristles, and go on with short ones; whether it was found. Nothing
-    changes without an equilibrium there, nor where what slips loses more where the cable lands than
-    friction takes up beyond: where all slips up to the anchor, no tension creeps.
-    """
-    before, tension = block.image.copy(), block.array(Header.tension, int(block.header.nodes), 2)
-    crept = tension[:, 0].copy()
+def take_hold(block: Block) -> bool:
+    """Find the start that friction holds, from one that was found; whether it does. Else, as where
+    bristles are short enough, nothing changes."""
+    from cablemodel.solvers import library as entry
+
+    hold = np.zeros(at.FIRM_HOLD_WORDS)
+    if entry.begin_to_hold(block.ints, block.reals, hold) == at.NOTHING:
+        return False
+    before = block.image.copy()
+    tensions = block.array(Header.tension, 2 * int(block.header.nodes)).copy()
+    at_rest = np.zeros(int(block.header.dimension))
+    status: int = at.OK
     try:
-        status = _on_shorter(block, lengths)
-        taken_up = crept - tension[:, 0]
-        if status == at.OK and taken_up.max() > -taken_up.min():
-            status = _on_longer(block, lengths.for_steps)
-        else:
-            status = int(at.STATICS_FAILED)
+        while True:
+            status = entry.go_on_holding(block.ints, block.reals, status, hold, tensions)
+            if status != at.SEARCH:
+                break
+            status = search.equilibrium(block, at_rest)
     except search.OutOfTimeError:
-        status = int(at.STATICS_FAILED)
+        status = at.STATICS_FAILED
     if status != at.OK:
         block.image[:] = before
     return status == at.OK
-
-
-def lengths_of(block: Block) -> Lengths | None:
-    """Those of lines that lie to anchors, None where their own bristles are short enough."""
-    from cablemodel.solvers import library as entry
-
-    lengths = np.empty(3)
-    if entry.lengths_of_bristles(block.ints, block.reals, lengths) == at.NOTHING:
-        return None
-    return Lengths(*lengths.tolist())
-
-
-def _on_shorter(block: Block, lengths: Lengths) -> int:
-    """Equilibrium on bristles that get as short as is asked; a status."""
-    state = block.scalars
-    length = lengths.own
-    while True:
-        state.bristle = length
-        status = _drawn(block)
-        if status != at.OK or length == lengths.short:
-            return status
-        length = max(lengths.short, length / SHORTER_AT_ONCE)
-
-
-def _on_longer(block: Block, bristle: float) -> int:
-    """The same equilibrium on longer bristles [m], drawn by the same shares; a status."""
-    from cablemodel.solvers import library as entry
-
-    entry.draw_alike(block.ints, block.reals, bristle)
-    return search.equilibrium(block, np.zeros(int(block.header.dimension)))
-
-
-def _drawn(block: Block) -> int:
-    """Equilibrium whose roots are drawn after what slips; a status."""
-    from cablemodel.solvers import library as entry
-
-    for _ in range(DRAWINGS):
-        status = search.equilibrium(block, np.zeros(int(block.header.dimension)))
-        if status != at.OK:
-            return status
-        entry.settle(block.ints, block.reals)
-    return int(at.OK)

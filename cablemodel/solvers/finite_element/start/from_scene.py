@@ -396,9 +396,7 @@ def _built(
             solve_static(block, scene, frame, replace(strategy, lets_go=True))
             count_from_zero(block)
         if firm_friction.applies(scene):
-            lengths = firm_friction.lengths_of(block)
-            if lengths is not None:
-                firm_friction.take_hold(block, lengths)
+            firm_friction.take_hold(block)
             count_from_zero(block)
         return block
 

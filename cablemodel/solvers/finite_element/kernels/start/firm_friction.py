@@ -1,16 +1,27 @@
-"""What a start needs where the floor's friction takes hold of lines that lie to anchors: its places
-of rest and the lengths of its bristles (start/firm_friction.py; the FMU's system_start.c).
+"""A static start in which friction takes hold of what lies to an anchor as soon as tension asks.
+
+Friction is a bristle of a length u. Where Coulomb's friction ends a tension, it creeps on over
+sqrt(EA u / (mu w)), and is wrong by sqrt(EA u mu w) / e at most. Cable that hardly stretches feels
+that at its anchor, though nothing has moved by more than u. A start has no steps to take: it is
+found on bristles that are as short as tensions ask. Steps go on with longer ones, drawn by the same
+shares: what a step may be wrong by would work shorter ones loose.
+
+Bristles get shorter bit by bit, and what slips is drawn after at each length. Who looks for the
+start (start/firm_friction.py, the FMU's system_start.c) finds the equilibria between.
 """
 
 import math
 
 from cablemodel.solvers.finite_element.kernels.element.strain import strain_in
 from cablemodel.solvers.finite_element.kernels.element.tables import FIRM_BRISTLE, SHORTEST_BRISTLE
-from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle
+from cablemodel.solvers.finite_element.kernels.floor.floor_memory import longest_bristle, settle
 from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
+from cablemodel.solvers.finite_element.kernels.start.at_rest import end_search
+from cablemodel.solvers.finite_element.kernels.time.begin import hold_supports
 from cablemodel.solvers.shared.access import (
     constraint_of,
     edge_of,
+    firm_hold_at,
     header,
     scalars,
     tension_of,
@@ -18,13 +29,23 @@ from cablemodel.solvers.shared.access import (
 from cablemodel.solvers.shared.compile import inlined, kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
+    FLOOR_NONE,
     HELD_BY_ANCHOR,
     JOINT_BODY,
     JOINT_NONE,
     NOTHING,
+    OK,
+    SEARCH,
+    STATICS_FAILED,
 )
-from cablemodel.solvers.shared.numbers import PROMISE
+from cablemodel.solvers.shared.numbers import PROMISE, RELATIVE_ROUNDING
 
+SHORTER_AT_ONCE = 2.0
+"""By how much bristles get shorter at a time, at most; at a fourth the tension beyond what slips
+is twice as wrong."""
+DRAWINGS = 4
+"""In which roots are drawn after what has slipped, at each length. With one of them what lies
+pulls twice as much at its anchor; from then on the elements decide."""
 CREEP_ALLOWED = 100.0  # in tau: tension of an anchored line that bristles for steps may move by
 
 
@@ -89,19 +110,30 @@ def short_bristle(M, largest, ea_mu_w):
 
 
 @kernel
-def lengths_of_bristles(I, M, lengths):
-    """Those of lines that lie to anchors [m]: their own length, the shortest that tensions ask, and
-    that for steps. Returns whether any are shorter than their own."""
+def begin_to_hold(I, M, words):
+    """Before friction takes hold at a start that was found: lengths of bristles into a FirmHold.
+
+    An exported start may have shorter bristles than those on which one is found: it gets these.
+    Returns CHANGED where lines that lie to anchors ask for shorter ones, else NOTHING.
+    """
+    head = header(I)
+    state = scalars(M)
+    if head.floor_kind == FLOOR_NONE or state.friction == 0.0:
+        return NOTHING
+    at = firm_hold_at(words, 0)
     bristle = longest_bristle(M)
-    lengths[0] = lengths[1] = lengths[2] = bristle
-    for row in range(header(I).constraint_count):
+    if not abs(state.bristle - bristle) <= RELATIVE_ROUNDING * bristle:
+        state.bristle = bristle
+    at.own = at.least = at.for_steps = bristle
+    at.length = at.drawn = at.is_last = 0.0
+    for row in range(head.constraint_count):
         anchor, _outward, largest, ea_mu_w = lies_to(I, M, row)
         if anchor >= 0:
             short = short_bristle(M, largest, ea_mu_w)
-            creeps = CREEP_ALLOWED * scalars(M).tolerance * largest * largest / ea_mu_w
-            lengths[1] = min(lengths[1], short)
-            lengths[2] = min(lengths[2], max(short, FIRM_BRISTLE * max(bristle, creeps)))
-    return CHANGED if lengths[1] < bristle else NOTHING
+            creeps = CREEP_ALLOWED * state.tolerance * largest * largest / ea_mu_w
+            at.least = min(at.least, short)
+            at.for_steps = min(at.for_steps, max(short, FIRM_BRISTLE * max(bristle, creeps)))
+    return CHANGED if at.least < bristle else NOTHING
 
 
 @kernel
@@ -150,3 +182,55 @@ def draw_alike(I, M, bristle):
         place = M[head.position + n]
         M[head.rest + n] = place - longer * (place - M[head.rest + n])
     state.bristle = bristle
+
+
+@kernel
+def takes_up(I, M, before):
+    """Whether friction takes up more than what slips loses, against tensions before, (nodes, 2)."""
+    most = -math.inf
+    least = math.inf
+    for node in range(header(I).nodes):
+        up = before[2 * node] - tension_of(I, M, node).mean
+        most = max(most, up)
+        least = min(least, up)
+    return most > -least
+
+
+@kernel
+def go_on_holding(I, M, status, words, before):
+    """Let friction take hold, from one equilibrium to the next, after `begin_to_hold`.
+
+    SEARCH: an equilibrium at rest is to be found next, and this to be called again with its status
+    (OK at first); OK: friction holds; else there is no such start, as where what slips loses more
+    where the cable lands than friction takes up beyond: where all slips up to the anchor, no
+    tension creeps. words: a FirmHold; before: tensions of the start that was found, (nodes, 2).
+    """
+    state = scalars(M)
+    at = firm_hold_at(words, 0)
+    in_system = header(I).parts != 0
+    if status != OK:
+        return status
+    if at.length == 0.0:
+        if in_system:
+            lay_to_anchors(I, M)
+        at.length = at.own
+    elif at.is_last != 0.0:
+        if in_system:
+            hold_supports(I, M)
+            end_search(I, M)
+        return OK
+    else:
+        settle(I, M)
+        at.drawn += 1.0
+        if at.drawn < DRAWINGS:
+            return SEARCH
+        if at.length == at.least:
+            if not takes_up(I, M, before):
+                return STATICS_FAILED
+            at.is_last = 1.0
+            draw_alike(I, M, at.for_steps)
+            return SEARCH
+        at.length = max(at.least, at.length / SHORTER_AT_ONCE)
+        at.drawn = 0.0
+    state.bristle = at.length
+    return SEARCH
