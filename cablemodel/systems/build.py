@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from cablemodel.errors import SceneError
 from cablemodel.solvers.finite_element.start import firm_friction, search
-from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.layout import Header
 from cablemodel.systems.built import Built
 from cablemodel.systems.equilibrium import Equilibria
 from cablemodel.systems.joined import joined
@@ -53,33 +51,20 @@ def _built(scene: SystemScene, sought: search.Search, whole: SystemScene) -> Bui
 
 
 def _start_flowing(scene: SystemScene, built: Built) -> None:
-    """Velocities of what hangs on winches that pay out from t = 0 on."""
+    """Velocities of what hangs on winches that pay out from t = 0 on; refuses what touches the
+    floor there."""
     from cablemodel.solvers import library as entry
 
-    block = built.block
-    for number, (name, winch) in enumerate(scene.winches.items()):
-        rate = winch.rate_at_start
-        if rate == 0.0:
-            continue
-        row = built.winch(number)
-        row.rate = rate
-        behind = entry.start_paying_out(block.ints, block.reals, number)
-        if block.header.floor_state == at.FLOOR_TOUCHED:
-            _refuse_what_touches(scene, built, name, range(int(row.node), behind))
-
-
-def _refuse_what_touches(scene: SystemScene, built: Built, name: str, hangs: range) -> None:
-    """Refuse a winch that runs at t = 0 while some of what hangs on it, nodes, is on the floor."""
-    floor = scene.environment.floor
-    assert floor is not None
-    places = built.block.array(Header.position, built.nodes, 6)[:, :3]
-    depth = float(built.block.scalars.floor_depth)
-    for node in hangs:
-        x, y, z = (places[node] + built.block.scalars.origin).tolist()
-        if z - floor.height(x, y) < depth:
-            part, arc = built.where(node)
-            where = part if part in scene.bodies else f"{part} at {arc:.4g} m"
-            winch = scene.winches[name]
-            problem = f"{where} touches the sea floor, and {winch.line} is tied to more"
-            allowed = "0 m/s at t = 0, or a line by itself, which may end at an anchor"
-            raise SceneError.at(f"winches.{name}.rate", winch.rate_at_start, problem, allowed)
+    rows = [built.winch(number) for number in range(len(scene.winches))]
+    for row, winch in zip(rows, scene.winches.values(), strict=True):
+        row.rate = winch.rate_at_start
+    node = entry.start_flowing(built.block.ints, built.block.reals)
+    if node < 0:
+        return
+    runs = [n for n, row in enumerate(rows) if row.rate != 0.0 and row.node <= node]
+    name, winch = list(scene.winches.items())[max(runs, key=lambda n: rows[n].node)]
+    part, arc = built.where(node)
+    where = part if part in scene.bodies else f"{part} at {arc:.4g} m"
+    problem = f"{where} touches the sea floor, and {winch.line} is tied to more"
+    allowed = "0 m/s at t = 0, or a line by itself, which may end at an anchor"
+    raise SceneError.at(f"winches.{name}.rate", winch.rate_at_start, problem, allowed)

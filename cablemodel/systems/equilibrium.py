@@ -21,7 +21,7 @@ from cablemodel.errors import OverturnedStartWarning, StaticsError
 from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.start import continuation, sea_floor, search
 from cablemodel.solvers.finite_element.start.falling import TIMES, fall
-from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS
+from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS, image_before
 from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -248,12 +248,8 @@ class Equilibria:
 
         block = built.block
         for _turn in range(REFINEMENT_ROUNDS):
-            at_rest = block.image.copy()
-            while (changed := entry.refine_at_floor(block.ints, block.reals)) == at.NO_CAPACITY:
-                block.take(at_rest)
-                block.grow()
-                at_rest = block.image.copy()
-            if not changed:
+            at_rest = image_before(block, entry.refine_at_floor)
+            if at_rest is None:
                 return
             try:
                 self._come_to_rest(built)

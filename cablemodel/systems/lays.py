@@ -169,12 +169,10 @@ def _halved(block: Block, scene: Scene, foot: int, places: FloatArray, slopes: F
     jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
     jump[-1] = max(jump[-1], END_BEND * float(np.linalg.norm(first[-1] - last[-1])))
     allowed = refinement.REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
-    changed = False
-    for node in foot + 1 + np.flatnonzero(h**2 * jump > allowed)[::-1]:
-        while (found := entry.halve_at_rest(block.ints, block.reals, int(node))) == at.NO_CAPACITY:
-            block.grow()
-        changed |= found == at.CHANGED
-    return changed
+    bent = np.zeros(int(block.header.nodes))
+    bent[foot + 1 : foot + 1 + len(h)] = h**2 * jump
+    halved = refinement.image_before(block, lambda i, m: entry.halve_bent(i, m, bent, allowed))
+    return halved is not None
 
 
 def _pulled(held: Scene, points: FloatArray | None) -> Block:

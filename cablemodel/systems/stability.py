@@ -73,15 +73,8 @@ def instability(built: Built) -> Instability | None:
     block = built.block
     least = slowest_growth(block)
     whole = block.image.copy()
-    block.scalars.bristles_damped = 0.0  # that is for steps
-    kept = block.image.copy()
-    growing = entry.count_growing(block.ints, block.reals, least)
-    block.image[:] = whole
-    if growing == 0 and block.header.foil_count == 0:
-        return None
-    block.image[:] = kept
-    work = np.zeros(entry.count_swinging(block.ints, block.reals, least, np.zeros(1)))
-    if entry.count_swinging(block.ints, block.reals, least, work) < 1:
+    work = np.zeros(entry.count_leaving(block.ints, block.reals, least, np.zeros(0)))
+    if entry.count_leaving(block.ints, block.reals, least, work) < 1:
         block.image[:] = whole
         return None
     mass, damping, stiffness = matrices(block)  # with what is pressed lifted

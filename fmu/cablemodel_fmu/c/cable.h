@@ -109,7 +109,7 @@ int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs
 int64_t cablemodel_equilibrium(void *block, int64_t words, double *frame, int64_t n);
 int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
-int64_t cablemodel_halve_at_rest(void *block, int64_t words, int64_t node);
+int64_t cablemodel_halve_bent(void *block, int64_t words, double *bends, int64_t n, double allowed);
 int64_t cablemodel_measure_bends(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_begin_to_hold(void *block, int64_t words, double *hold, int64_t n);
 int64_t cablemodel_go_on_holding(void *block, int64_t words, int64_t status, double *hold, int64_t n, double *before,
@@ -122,8 +122,7 @@ int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
 int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
 int64_t cablemodel_summary(void *block, int64_t words, double *out, int64_t n);
-int64_t cablemodel_count_growing(void *block, int64_t words, double rate);
-int64_t cablemodel_count_swinging(void *block, int64_t words, double rate, double *work, int64_t n);
+int64_t cablemodel_count_leaving(void *block, int64_t words, double rate, double *work, int64_t n);
 int64_t cablemodel_measure(void *block, int64_t words, double *lengths, int64_t n, double *facts, int64_t m);
 int64_t cablemodel_forget_stabilisation(void *block, int64_t words);
 int64_t cablemodel_move_start(void *block, int64_t words, double *move, int64_t n);
@@ -134,7 +133,7 @@ int64_t cablemodel_resize_lines(void *block, int64_t words, double *lengths, int
 int64_t cablemodel_rotate_system(void *block, int64_t words, double x, double y, double angle);
 int64_t cablemodel_follow_supports(void *block, int64_t words, double *before, int64_t n, double *grown, int64_t m,
                                    double *work, int64_t k);
-int64_t cablemodel_start_paying_out(void *block, int64_t words, int64_t number);
+int64_t cablemodel_start_flowing(void *block, int64_t words);
 int64_t cablemodel_worst_of_shape(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_ends_apart(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_hold_supports(void *block, int64_t words);

@@ -125,7 +125,7 @@ static int64_t solve_static(Cable *cable) {
     return status;
 }
 
-/* The calls of find_initial_state and refine_touchdown in cablemodel/solvers/finite_element/start. */
+/* The calls of find_initial_state in cablemodel/solvers/finite_element/start/first_state.py. */
 static int64_t find_initial_state(Cable *cable) {
     const int64_t words = cable->block_words;
     const int is_static = (cable->flags & FLAG_STATIC) != 0;
@@ -141,11 +141,6 @@ static int64_t find_initial_state(Cable *cable) {
     if (status == OK && cablemodel_stabilise(cable->I, words) && is_static) status = solve_static(cable);
     if (header(cable->I)->hybrid || header(cable->I)->rigid > 0 || header(cable->I)->payout)
         cablemodel_choose_bending(cable->I, words);
-    for (int round = 0; round < REFINEMENTS && status == OK && is_static; round++) {
-        const int64_t found = cablemodel_refine_at_floor(cable->I, words);
-        if (found == NOTHING) break;
-        status = found == CHANGED ? solve_static(cable) : found;
-    }
     cablemodel_count_from_zero(cable->I, words);
     return status;
 }
@@ -260,6 +255,7 @@ const char *settle_line(Cable *cable) {
         if (judged && status == OK) {
             bent = shape_of(cable).bent;
             status = refine(cable, 0, at_rest_again, NULL);
+            if (status == OK) status = refine(cable, 1, at_rest_again, NULL);
         }
     }
     if (status == OK) {

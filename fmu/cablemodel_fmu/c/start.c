@@ -24,18 +24,12 @@ void judge_shape(Cable *cable, const Shape *before, double bent) {
     cable->stretched = now.stretched > fmax(LARGE_STRAIN, before->stretched) ? now.stretched : 0.0;
 }
 
-/* Halve what bends too much, from the last element on: halves go where the whole one went. */
 static int64_t halve_bent(Cable *cable) {
     const int64_t nodes = header(cable->I)->nodes;
-    int64_t found = NOTHING;
     double *bends = malloc(8 * (size_t)nodes);
     if (bends == NULL) return NO_CAPACITY;
     cablemodel_measure_bends(cable->I, cable->block_words, bends, nodes);
-    for (int64_t node = nodes - 1; node >= 1 && found != NO_CAPACITY; node--) {
-        if (!(bends[node] > BENT)) continue;
-        const int64_t status = cablemodel_halve_at_rest(cable->I, cable->block_words, node);
-        if (status != NOTHING) found = status;
-    }
+    const int64_t found = cablemodel_halve_bent(cable->I, cable->block_words, bends, nodes, BENT);
     free(bends);
     return found;
 }
@@ -74,26 +68,21 @@ void give_back(Cable *cable, const int64_t *image) {
     memcpy(cable->I, image, 8 * (size_t)cable->image_words);
 }
 
-/* How many small motions about a start grow by themselves: `instability` of
-   cablemodel/systems/stability.py, `stays` of cablemodel/solvers/finite_element/start/unstable_start.py.
-   0: none; -1: it cannot be told. */
+/* How many small motions about a start grow by themselves, as `stays` of
+   cablemodel/solvers/finite_element/start/unstable_start.py looks at it. 0: none; -1: it cannot be told. */
 static int64_t count_growing(Cable *cable) {
     const double rate = SLOWEST / scalars(cable->M)->period;
-    double frame[3];
-    int64_t *kept = copy_of_image(cable);
-    if (kept == NULL) return -1;
-    frame_of_rest(cable, frame);
-    cablemodel_stop_flow(cable->I, cable->block_words, frame, header(cable->I)->dimension);
-    int64_t found = cablemodel_count_growing(cable->I, cable->block_words, rate);
-    give_back(cable, kept);
-    if (is_system(cable->I) && (found != 0 || header(cable->I)->foil_count > 0)) {
-        double none[1];
-        const int64_t words = cablemodel_count_swinging(cable->I, cable->block_words, rate, none, 1);
-        double *work = malloc(sizeof(double) * (size_t)words);
-        found = work == NULL ? -1 : cablemodel_count_swinging(cable->I, cable->block_words, rate, work, words);
-        free(work);
+    double frame[3], none[1];
+    const int64_t words = cablemodel_count_leaving(cable->I, cable->block_words, rate, none, 0);
+    int64_t found = -1, *kept = copy_of_image(cable);
+    double *work = malloc(8 * (size_t)words);
+    if (kept != NULL && work != NULL) {
+        frame_of_rest(cable, frame);
+        cablemodel_stop_flow(cable->I, cable->block_words, frame, header(cable->I)->dimension);
+        found = cablemodel_count_leaving(cable->I, cable->block_words, rate, work, words);
         give_back(cable, kept);
     }
+    free(work);
     free(kept);
     return found;
 }

@@ -281,18 +281,6 @@ static void run_winches(Cable *cable, int runs) {
         winch_of(cable->I, n)->rate = runs ? winch_of(initial_image(cable), n)->rate : 0.0;
 }
 
-/* Velocities of what hangs on a winch that pays out from t = 0 on: _start_flowing of cablemodel/systems/build.py. */
-static const char *start_flowing(Cable *cable) {
-    const int64_t *I = cable->I;
-    for (int64_t n = 0; n < header(I)->winch_count; n++) {
-        if (winch_of(I, n)->rate == 0.0) continue;
-        if (header(I)->floor_state == FLOOR_TOUCHED)
-            return "a winch runs at the start, and what touches the sea floor does not move along";
-        cablemodel_start_paying_out(cable->I, cable->block_words, n);
-    }
-    return NULL;
-}
-
 /* What is to be told of such a start: as `judge` of lengths.c. */
 static void judge(Cable *cable, const Shape *before) {
     judge_shape(cable, before, 0.0);
@@ -360,7 +348,8 @@ static const char *search(Cable *cable) {
     if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);
     judge(cable, &before);
-    return start_flowing(cable);
+    if (cablemodel_start_flowing(cable->I, cable->block_words) < 0) return NULL;
+    return "a winch runs at the start, and what touches the sea floor does not move along";
 }
 
 /* Vessels to their starts, and the origin of the block's coordinates, in which nothing moves, with

@@ -23,7 +23,7 @@ from cablemodel.solvers.finite_element.kernels.outputs import (
     stations,
 )
 from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
-from cablemodel.solvers.finite_element.kernels.start import at_rest, firm_friction
+from cablemodel.solvers.finite_element.kernels.start import at_rest, firm_friction, growth
 from cablemodel.solvers.finite_element.kernels.time import (
     begin,
     given_shape,
@@ -124,10 +124,10 @@ def stand_at_rest(I, M, friction):
     return 0
 
 
-@entry_point(int64(INTEGERS, REALS, int64))
-def halve_at_rest(I, M, node):
-    """Halve an element of a static shape: bending_mesh.halve_at_rest."""
-    return bending_mesh.halve_at_rest(I, M, node)
+@entry_point(int64(INTEGERS, REALS, REALS, float64))
+def halve_bent(I, M, bends, allowed):
+    """Halve elements of a static shape that bend too much: bending_mesh.halve_bent."""
+    return bending_mesh.halve_bent(I, M, bends, allowed)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS))
@@ -217,6 +217,15 @@ def count_swinging(I, M, rate, work):
     return swinging.count_swinging(I, M, rate, work)
 
 
+@entry_point(int64(INTEGERS, REALS, float64, REALS))
+def count_leaving(I, M, rate, work):
+    """The same of a start, by what it is: growth.count_leaving. Without room for that, returns how
+    much it needs."""
+    if len(work) < growth.leaving_words(I):
+        return growth.leaving_words(I)
+    return growth.count_leaving(I, M, rate, work)
+
+
 @entry_point(int64(INTEGERS, REALS, REALS))
 def motion_matrices(I, M, out):
     """Stiffness, damping and mass: swinging.find_matrices. Uses the matrix up."""
@@ -288,10 +297,10 @@ def follow_supports(I, M, before, grown, work):
     return 0
 
 
-@entry_point(int64(INTEGERS, REALS, int64))
-def start_paying_out(I, M, number):
-    """Velocities of what hangs on a winch that runs at first: begin.start_paying_out."""
-    return begin.start_paying_out(I, M, number)
+@entry_point(int64(INTEGERS, REALS))
+def start_flowing(I, M):
+    """Velocities of what hangs on winches that run at first: begin.start_flowing."""
+    return begin.start_flowing(I, M)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, REALS))
@@ -446,7 +455,7 @@ ENTRY_POINTS = {
     "draw_alike": draw_alike,
     "lose_friction": lose_friction,
     "stand_at_rest": stand_at_rest,
-    "halve_at_rest": halve_at_rest,
+    "halve_bent": halve_bent,
     "measure_bends": measure_bends,
     "worst_of_shape": worst_of_shape,
     "ends_apart": ends_apart,
@@ -459,6 +468,7 @@ ENTRY_POINTS = {
     "stop_flow": stop_flow,
     "count_growing": count_growing,
     "count_swinging": count_swinging,
+    "count_leaving": count_leaving,
     "motion_matrices": motion_matrices,
     "measure": measure,
     "arrange": arrange,
@@ -468,7 +478,7 @@ ENTRY_POINTS = {
     "resize_lines": resize_lines,
     "rotate_system": rotate_system,
     "follow_supports": follow_supports,
-    "start_paying_out": start_paying_out,
+    "start_flowing": start_flowing,
     "sample": sample,
     "bodies": bodies,
     "summary": summary,

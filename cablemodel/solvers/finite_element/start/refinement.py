@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 from cablemodel.solvers.shared.numbers import SAME_PLACE
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 REFINEMENT_ROUNDS = 14
 """Times that a mesh is refined at most."""
@@ -171,6 +173,17 @@ def _node_places(block: Block) -> FloatArray:
     return earth(block, block.array(Header.position, count, 2 * dimension)[:, :dimension])
 
 
+def image_before(block: Block, change: Callable[[IntArray, FloatArray], int]) -> IntArray | None:
+    """A block's image before a kernel changed its mesh, for which it grows as it must; None: it did
+    not change."""
+    before = block.image.copy()
+    while (found := change(block.ints, block.reals)) == at.NO_CAPACITY:
+        block.take(before)
+        block.grow()
+        before = block.image.copy()
+    return before if found == at.CHANGED else None
+
+
 def refine_touchdown(block: Block, scene: Scene, strategy: Strategy) -> None:
     """Refine a static shape where it meets the floor, and solve again from its own shape.
 
@@ -182,14 +195,8 @@ def refine_touchdown(block: Block, scene: Scene, strategy: Strategy) -> None:
     frame = steady_velocity(block, scene)
     stays = strategy.as_laid and not laid_loads.is_dragged(scene)
     for turn in range(REFINEMENT_ROUNDS):
-        at_rest = block.image.copy()
-        changed = entry.refine_at_floor(block.ints, block.reals)
-        while changed == at.NO_CAPACITY:
-            block.take(at_rest)
-            block.grow()
-            at_rest = block.image.copy()
-            changed = entry.refine_at_floor(block.ints, block.reals)
-        if not changed:
+        at_rest = image_before(block, entry.refine_at_floor)
+        if at_rest is None:
             break
         if block.header.hybrid:
             # Short elements bend where the long ones that they were did not; found out in the

@@ -132,12 +132,20 @@ def halve_for_good(I, M, node):
 
 
 @kernel
-def halve_at_rest(I, M, node):
-    """Halve an element of a static shape, where the mesh may change. NOTHING, CHANGED, or
-    NO_CAPACITY: the block must grow first."""
-    if scalars(M).bent == 0.0 or not may_be_halved(I, M, node):
-        return NOTHING
-    return CHANGED if halve_for_good(I, M, node) == OK else NO_CAPACITY
+def halve_bent(I, M, bends, allowed):
+    """Halve elements of a static shape that bend by more than is allowed, (nodes,), where the mesh
+    may change. NOTHING, CHANGED, or NO_CAPACITY: the block, as it was, must grow first."""
+    changed = NOTHING
+    if scalars(M).bent == 0.0:
+        return changed
+    node = header(I).nodes - 1  # from the last one on: halves go where the whole one went
+    while node >= 1:
+        if bends[node] > allowed and may_be_halved(I, M, node):
+            if halve_for_good(I, M, node) != OK:
+                return NO_CAPACITY
+            changed = CHANGED
+        node -= 1
+    return changed
 
 
 @kernel

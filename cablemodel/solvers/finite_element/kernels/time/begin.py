@@ -4,6 +4,7 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.scales import line_length
 from cablemodel.solvers.finite_element.kernels.element.strain import promised_tension
+from cablemodel.solvers.finite_element.kernels.floor.floor_surface import near_floor
 from cablemodel.solvers.finite_element.kernels.line.system import impose_motion, set_time
 from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import measure_bends
 from cablemodel.solvers.shared.access import (
@@ -17,7 +18,7 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
-from cablemodel.solvers.shared.layout import JOINT_NONE, JOINT_ROOT, BeginRows
+from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, JOINT_NONE, JOINT_ROOT, BeginRows
 
 ROW_BENT, ROW_ACCELERATIONS = BeginRows.bent.word, BeginRows.accelerations.word
 
@@ -181,6 +182,24 @@ def start_paying_out(I, M, number):
             M[head.velocity + 6 * node + i] = velocity
         node += 1
     return node
+
+
+@kernel
+def start_flowing(I, M):
+    """Velocities of what hangs on winches of a system that run from t = 0 on. Returns the first
+    node of that which touches the floor, where it would not move along, or -1."""
+    head = header(I)
+    places = view(M, head.position, 6 * head.nodes)
+    for number in range(head.winch_count):
+        winch = winch_of(I, M, number)
+        if winch.rate == 0.0:
+            continue
+        end = start_paying_out(I, M, number)
+        if head.floor_state == FLOOR_TOUCHED:
+            for node in range(int(winch.node), end):
+                if near_floor(I, M, node, places):
+                    return node
+    return -1
 
 
 @kernel
