@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import sea_floor
-from cablemodel.solvers.finite_element.start.first_state import count_from_zero, hold_supports
+from cablemodel.solvers.finite_element.start.first_state import hold_supports
 from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
@@ -62,9 +62,7 @@ def joined(scene: SystemScene, rest: Built | None, starts: list[tuple[Lay, Block
         apart = [lay.line for lay, _own in starts]
         _put_rest(built, rest, np.flatnonzero(~np.isin(of_line, apart)))
     hold_supports(block)
-    count_from_zero(block)
-    if block.header.hybrid:
-        entry.choose_bending(block.ints, block.reals)
+    entry.end_search(block.ints, block.reals)
     return built
 
 

@@ -38,6 +38,7 @@ RARE_ENTRIES = (
     "count_swinging",
     "draw_alike",
     "drive",
+    "end_search",
     "ends_apart",
     "energy",
     "equilibrium",

@@ -117,7 +117,6 @@ int64_t cablemodel_go_on_holding(void *block, int64_t words, int64_t status, dou
 int64_t cablemodel_lose_friction(void *block, int64_t words);
 int64_t cablemodel_stand_at_rest(void *block, int64_t words, double friction);
 int64_t cablemodel_stabilise(void *block, int64_t words);
-int64_t cablemodel_choose_bending(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
 int64_t cablemodel_sample(void *block, int64_t words, double *s, int64_t n, double *out, int64_t m);
@@ -138,7 +137,7 @@ int64_t cablemodel_worst_of_shape(void *block, int64_t words, double *out, int64
 int64_t cablemodel_ends_apart(void *block, int64_t words, double *out, int64_t n);
 int64_t cablemodel_hold_supports(void *block, int64_t words);
 int64_t cablemodel_rest_here(void *block, int64_t words);
-int64_t cablemodel_count_from_zero(void *block, int64_t words);
+int64_t cablemodel_end_search(void *block, int64_t words);
 int64_t cablemodel_restore_bending(void *block, int64_t words);
 int64_t cablemodel_start_flow(void *block, int64_t words);
 int64_t cablemodel_stop_flow(void *block, int64_t words, double *frame, int64_t n);

@@ -139,9 +139,7 @@ static int64_t find_initial_state(Cable *cable) {
         cablemodel_tension_from_stretch(cable->I, words);
     }
     if (status == OK && cablemodel_stabilise(cable->I, words) && is_static) status = solve_static(cable);
-    if (header(cable->I)->hybrid || header(cable->I)->rigid > 0 || header(cable->I)->payout)
-        cablemodel_choose_bending(cable->I, words);
-    cablemodel_count_from_zero(cable->I, words);
+    cablemodel_end_search(cable->I, words);
     return status;
 }
 

@@ -181,6 +181,13 @@ def count_from_zero(I, M):
 
 
 @entry_point(int64(INTEGERS, REALS))
+def end_search(I, M):
+    """The same, and bending is chosen: at_rest.end_search."""
+    at_rest.end_search(I, M)
+    return 0
+
+
+@entry_point(int64(INTEGERS, REALS))
 def restore_bending(I, M):
     """Bending as it is before tensions are known: begin.restore_bending."""
     begin.restore_bending(I, M)
@@ -463,6 +470,7 @@ ENTRY_POINTS = {
     "hold_supports": hold_supports,
     "rest_here": rest_here,
     "count_from_zero": count_from_zero,
+    "end_search": end_search,
     "restore_bending": restore_bending,
     "start_flow": start_flow,
     "stop_flow": stop_flow,

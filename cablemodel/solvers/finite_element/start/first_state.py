@@ -51,7 +51,6 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
     from cablemodel.solvers import library as entry
 
     ints, reals = block.ints, block.reals
-    head = Header(ints)
     stand_still(block, scene)
     frame = steady_velocity(block, scene)
     if scene.initial.kind != "static":
@@ -76,9 +75,7 @@ def find_initial_state(block: Block, scene: Scene, strategy: Strategy) -> None:
     if entry.stabilise(ints, reals) and scene.initial.kind == "static":
         # The new stiffness changes the forces by a little: the state must meet them.
         solve_static(block, scene, frame, strategy)
-    count_from_zero(block)
-    if head.hybrid or head.rigid or head.payout:
-        entry.choose_bending(ints, reals)
+    entry.end_search(ints, reals)
 
 
 def stand_still(block: Block, scene: Scene) -> None:

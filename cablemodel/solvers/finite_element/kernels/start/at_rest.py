@@ -1,4 +1,4 @@
-"""Around the search for an equilibrium of a system: what is free comes to rest without friction,
+"""Around the search for an equilibrium: what is free in a system comes to rest without friction,
 which holds it from there."""
 
 from cablemodel.solvers.finite_element.kernels.bodies.vessel_clamp import update_springs
@@ -30,9 +30,11 @@ def set_friction(I, M, lines, feet):
 
 @kernel
 def end_search(I, M):
-    """What finding a start took is forgotten, and elements of a hybrid choose how they bend."""
+    """What finding a start took is forgotten; elements of a hybrid choose how they bend, and clamps
+    of a line alone get the stiffness of their tensions."""
+    head = header(I)
     count_from_zero(I)
-    if header(I).hybrid != 0:
+    if head.hybrid != 0 or (head.parts == 0 and (head.rigid > 0 or head.payout != 0)):
         choose_bending(I, M)
 
 
