@@ -26,9 +26,10 @@ void restart_cable(Cable *cable) {
         cable->values[n] = cable->parameters[n].start;
     const size_t identity = offsetof(Controls, phase);
     memset((char *)&cable->now + identity, 0, sizeof cable->now - identity);
-    memcpy(cable->now.input, file_header(cable->file)->inputs, sizeof cable->now.input);
-    memcpy(cable->now.start, cable->now.input + VR_POSITION, 3 * sizeof(double));
-    memcpy(cable->now.start + 3, cable->now.input + VR_VELOCITY, 3 * sizeof(double));
+    memset(inputs_in(cable, cable->values), 0, 8 * (size_t)(cable->value_words - cable->parameter_count));
+    const double *scene = file_header(cable->file)->inputs;
+    memcpy(cable->now.start, scene + VR_POSITION, 3 * sizeof(double));
+    memcpy(cable->now.start + 3, scene + VR_VELOCITY, 3 * sizeof(double));
     cable->now.phase = INSTANTIATED;
     cable->now.use_scene_inputs = (cable->flags & FLAG_SCENE_INPUTS) != 0;
     cable->now.vessel_input = (cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT;
@@ -37,6 +38,7 @@ void restart_cable(Cable *cable) {
     cable->leaves = 0;
     if (cable->finer != NULL) restart_cable(cable->finer);
     if (cable->system != NULL) restart_system(cable);
+    for (int n = 0; n < VR_INPUTS && cable->system == NULL; n++) input_at(cable, n)->value = scene[n];
     outputs_changed(cable);
 }
 
@@ -54,14 +56,34 @@ int64_t inputs_of(unsigned vr) {
     return vr >= VR_POSITION ? POSITION_SET : VELOCITY_SET;
 }
 
+/* By a value reference; NULL: it is none. */
+Input *input_of(const Cable *cable, unsigned vr) {
+    const int64_t n = (int64_t)vr - first_input(cable);
+    return within(n, 0, cable->inputs - 1) ? input_at(cable, n) : NULL;
+}
+
+/* How many inputs go together, and the first of them. */
+int64_t group_of(const Cable *cable, int64_t n, int64_t *first) {
+    if (cable->system != NULL) return group_in_system(cable->system, n, first);
+    *first = n < VR_PAYOUT ? n - n % 3 : n < VR_CURRENT ? VR_PAYOUT : VR_CURRENT;
+    return *first == VR_PAYOUT ? 1 : 3;
+}
+
 /* Remember that the master sets an input, or a derivative of it: then it is connected. */
 void mark_set(Cable *cable, unsigned vr, int derivative) {
-    if (cable->system != NULL) {
-        mark_part_set(cable, vr, derivative);
-        return;
-    }
-    cable->now.set |= inputs_of(vr);
-    if (cable->now.phase == STEPPING) cable->now.position_set_in_run |= inputs_of(vr) & POSITION_SET;
+    int64_t first = 0;
+    const int64_t count = group_of(cable, (int64_t)vr - first_input(cable), &first);
+    const int in_run = cable->now.phase == STEPPING && !derivative;
+    for (int64_t n = first; n < first + count; n++)
+        input_at(cable, n)->set |= SET_EVER | (in_run ? SET_IN_RUN : 0);
+}
+
+/* Which inputs of a line are connected. */
+int64_t connected(const Cable *cable) {
+    int64_t found = 0;
+    for (unsigned n = 0; n < VR_INPUTS && cable->system == NULL; n++)
+        if (input_at(cable, n)->set) found |= inputs_of(n);
+    return found;
 }
 
 /* What drives: where the scene does, an input that is connected takes its place, unless the master
@@ -69,16 +91,16 @@ void mark_set(Cable *cable, unsigned vr, int derivative) {
 int64_t driven(const Cable *cable) {
     if (!cable->now.use_scene_inputs) return ALL_SET;
     const int ignored = cable->now.scene_inputs_given || (cable->flags & FLAG_IGNORE);
-    return ignored ? 0 : cable->now.set;
+    return ignored ? 0 : connected(cable);
 }
 
 /* Which inputs move the tow point. A master that cannot set it, and connects the position alone,
    means the position; of both, one that alone is connected moves it alone. */
 int64_t vessel_input(const Cable *cable) {
-    const int64_t set = cable->now.set & (VELOCITY_SET | POSITION_SET);
+    const int64_t set = connected(cable) & (VELOCITY_SET | POSITION_SET);
     if (cable->now.vessel_input == BY_BOTH && set == VELOCITY_SET) return BY_VELOCITY;
     if (cable->now.vessel_input == BY_BOTH && set == POSITION_SET) return BY_POSITION;
-    const int alone = cable->now.position_set_in_run && !(cable->now.set & VELOCITY_SET);
+    const int alone = set == POSITION_SET && (input_at(cable, VR_POSITION)->set & SET_IN_RUN);
     return alone && !cable->now.vessel_input_given ? BY_POSITION : cable->now.vessel_input;
 }
 
@@ -109,7 +131,7 @@ double way_at_end(const double *slope, double value, double dt) {
 /* Whether a velocity varies otherwise than linearly by them: then places say where it leads. */
 int is_curved(const double *slope) { return slope[1] != 0.0 || slope[2] != 0.0; }
 
-/* Which inputs drove in the last step. */
+/* Which inputs of a line drove in the last step. */
 static int64_t drove(const Controls *now) {
     const StepInputs *applied = &now->applied;
     return (applied->velocity_given != 0.0 ? VELOCITY_SET : 0) |
@@ -119,22 +141,26 @@ static int64_t drove(const Controls *now) {
 }
 
 /* What an input was in the last step; NULL: it did not drive then. */
-static const double *before(const Controls *now, int n) {
-    return drove(now) & inputs_of((unsigned)n) ? &now->before[n] : NULL;
+const double *before(const Input *input) { return input->driving & DROVE ? &input->before : NULL; }
+
+/* What an input was in a step that was made, and whether it drove. */
+void remember_input(Input *input, int drives) {
+    input->before = input->value;
+    input->driving = (input->driving & DROVE ? WENT_ON : 0) | (drives ? DROVE : 0);
 }
 
 static double at_end(Cable *cable, int n, double dt) {
     const Controls *now = &cable->now;
-    const int v = n - VR_POSITION + VR_VELOCITY;
+    const Input *x = input_at(cable, n);
     if (inputs_of((unsigned)n) == POSITION_SET) {
-        if (vessel_input(cable) == BY_BOTH)
-            return place_at_end(now, now->slope[n], now->input[n], now->input[v], before(now, v), dt);
-        if (before(now, n) == NULL) { /* it goes on as fast as the tow point is */
+        const Input *v = x - VR_POSITION + VR_VELOCITY;
+        if (vessel_input(cable) == BY_BOTH) return place_at_end(now, x->slope, x->value, v->value, before(v), dt);
+        if (before(x) == NULL) { /* it goes on as fast as the tow point is */
             const double speed = summary(cable)->vessel_velocity[n - VR_POSITION];
-            return place_at_end(now, now->slope[n], now->input[n], speed, NULL, dt);
+            return place_at_end(now, x->slope, x->value, speed, NULL, dt);
         }
     }
-    return value_at_end(now, now->slope[n], now->input[n], before(now, n), dt);
+    return value_at_end(now, x->slope, x->value, before(x), dt);
 }
 
 /* What is chosen by an enumeration; NULL: it is none. */
@@ -157,16 +183,12 @@ void choose(Cable *cable, unsigned vr, int64_t value) {
 
 /* Three derivatives of an input for the next step; NULL: it is none, or jumps. */
 double *slope_of(Cable *cable, unsigned vr) {
-    if (cable->system == NULL) return vr < VR_INPUTS ? cable->now.slope[vr] : NULL;
-    return part_slope(cable, vr);
+    Input *input = input_of(cable, vr);
+    return input == NULL || is_command(cable, input - input_at(cable, 0)) ? NULL : input->slope;
 }
 
 void clear_slopes(Cable *cable) {
-    memset(cable->now.slope, 0, sizeof cable->now.slope);
-    if (cable->system == NULL) return;
-    PartInput *input;
-    for (unsigned n = 0; (input = part_input(cable, VR_SYSTEM_INPUT + n)) != NULL; n++)
-        memset(input->slope, 0, sizeof input->slope);
+    for (int64_t n = 0; n < cable->inputs; n++) memset(input_at(cable, n)->slope, 0, sizeof input_at(cable, n)->slope);
 }
 
 /* Whether the vessel has left the scene's schedule, by a start velocity of its own, and goes straight on
@@ -190,13 +212,12 @@ static void collect_inputs(Cable *cable, double dt, StepInputs *inputs) {
         if (inputs->current_given != 0.0) inputs->current[i] = at_end(cable, VR_CURRENT + i, dt);
     }
     int curved = 0;
-    for (int i = 0; i < 3; i++) curved |= is_curved(cable->now.slope[VR_VELOCITY + i]);
+    for (int i = 0; i < 3; i++) curved |= is_curved(input_at(cable, VR_VELOCITY + i)->slope);
     if (by == BY_VELOCITY && inputs->velocity_given != 0.0 && cable->now.has_slope && curved) {
         inputs->position_given = 1.0;
         for (int i = 0; i < 3; i++) {
-            const int v = VR_VELOCITY + i;
-            inputs->position[i] = summary(cable)->vessel_position[i] +
-                                  way_at_end(cable->now.slope[v], cable->now.input[v], dt);
+            const Input *v = input_at(cable, VR_VELOCITY + i);
+            inputs->position[i] = summary(cable)->vessel_position[i] + way_at_end(v->slope, v->value, dt);
         }
     }
     if (inputs->payout_given != 0.0) inputs->payout_rate = at_end(cable, VR_PAYOUT, dt);
@@ -255,25 +276,28 @@ const char *zero_input(const Cable *cable, int64_t n) {
     const int64_t drives = driven(cable);
     if (n == 0 && (drives & VELOCITY_SET) && vessel_input(cable) != BY_POSITION) {
         const int moves = header(cable->I)->piece_count > 2 || !is_zero(now->start + 3);
-        return moves && is_zero(now->input + VR_VELOCITY) ? "vessel.velocity" : NULL;
+        const Input *v = input_at(cable, VR_VELOCITY);
+        const double given[3] = {v[0].value, v[1].value, v[2].value};
+        return moves && is_zero(given) ? "vessel.velocity" : NULL;
     }
     if (n == 1 && !is_direct(cable->I) && (drives & PAYOUT_SET))
-        return now->input[VR_PAYOUT] == 0.0 && turns(cable, 0) ? "payout.rate" : NULL;
+        return input_at(cable, VR_PAYOUT)->value == 0.0 && turns(cable, 0) ? "payout.rate" : NULL;
     return NULL;
 }
 
 /* What derivatives and the next step want to know of one that was made. */
 static void remember_step(Cable *cable, double dt, const StepInputs *inputs) {
     Controls *now = &cable->now;
-    now->went_on = drove(now);
     now->applied = *inputs;
     now->growth = now->last_step > 0.0 ? dt / now->last_step : 0.0;
     now->last_step = dt;
     now->last_mode = vessel_input(cable);
     now->last_driven = driven(cable);
     now->last_sloped = now->has_slope;
-    memcpy(now->before, now->input, sizeof now->before);
-    if (goes_straight_on(cable)) memcpy(now->before + VR_VELOCITY, now->start + 3, 3 * sizeof(double));
+    for (unsigned n = 0; n < VR_INPUTS && cable->system == NULL; n++)
+        remember_input(input_at(cable, n), (drove(now) & inputs_of(n)) != 0);
+    for (int i = 0; i < 3 && cable->system == NULL && goes_straight_on(cable); i++)
+        input_at(cable, VR_VELOCITY + i)->before = now->start[3 + i];
     now->has_slope = 0;
 }
 
@@ -451,11 +475,12 @@ const char *read_value(Cable *cable, unsigned vr, double *value) {
         *value = cable->values[vr - VR_PARAMETER];
         return NULL;
     }
-    if (cable->system != NULL) return read_part(cable, vr, value);
-    if (vr < VR_INPUTS) {
-        *value = cable->now.input[vr];
+    const Input *input = input_of(cable, vr);
+    if (input != NULL) {
+        *value = input->value;
         return NULL;
     }
+    if (cable->system != NULL) return read_part(cable, vr, value);
     if (is_start(cable, vr)) {
         *value = cable->now.start[vr - VR_START];
         return NULL;
@@ -583,19 +608,14 @@ const char *check_value(Cable *cable, unsigned vr, double value) {
 
 /* Of a value that check_value has passed. */
 void write_value(Cable *cable, unsigned vr, double value) {
-    if (cable->system != NULL && !is_parameter(cable, vr)) {
-        PartInput *input = part_input(cable, vr);
-        if (input == NULL) {
-            cable->now.unsettled |= set_system_start(cable, vr, value);
-            return;
-        }
+    Input *input = input_of(cable, vr);
+    if (input != NULL) {
         if (cable->now.phase == STEPPING || value != input->value) mark_set(cable, vr, 0);
         input->value = value;
         return;
     }
-    if (vr < VR_INPUTS) {
-        if (cable->now.phase == STEPPING || value != cable->now.input[vr]) mark_set(cable, vr, 0);
-        cable->now.input[vr] = value;
+    if (cable->system != NULL && !is_parameter(cable, vr)) {
+        cable->now.unsettled |= set_system_start(cable, vr, value);
         return;
     }
     if (is_start(cable, vr)) {
@@ -603,9 +623,8 @@ void write_value(Cable *cable, unsigned vr, double value) {
         cable->now.start[vr - VR_START] = value;
         cable->now.unsettled = 1;
         /* Until it is set, an input is what it is at the start. */
-        const unsigned input =
-            vr < VR_START_VELOCITY ? vr - VR_START + VR_POSITION : vr - VR_START_VELOCITY;
-        if (!(cable->now.set & inputs_of(input))) cable->now.input[input] = value;
+        input = input_at(cable, vr < VR_START_VELOCITY ? vr - VR_START + VR_POSITION : vr - VR_START_VELOCITY);
+        if (!input->set) input->value = value;
         return;
     }
     if (value == cable->values[vr - VR_PARAMETER]) return;

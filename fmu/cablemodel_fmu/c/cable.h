@@ -3,6 +3,7 @@
 #ifndef CABLE_H
 #define CABLE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -24,14 +25,15 @@ enum { INSTANTIATED = 1, INITIALISING, STEPPING, TERMINATED };
 #define JUMP_SPEED 10.0 /* change of its speed [m/s] */
 #define JUMP_RATE 1.0   /* and of its rates of turn [rad/s] */
 
-/* One input of a part of a system: its value, that of the last step, derivatives for the next one,
-   whether the master has set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in
-   the one before that, too: DROVE, WENT_ON. */
+/* One input: its value, that of the last step, derivatives for the next one, whether the master has
+   set it: SET_EVER, SET_IN_RUN; and whether it drove in the last step, and in the one before that,
+   too: DROVE, WENT_ON. */
 enum { SET_EVER = 1, SET_IN_RUN = 2, DROVE = 1, WENT_ON = 2 };
 typedef struct {
     double value, before, slope[3];
     int64_t set, driving;
-} PartInput;
+} Input;
+enum { WORDS_OF_INPUT = sizeof(Input) / 8 };
 /* Where a vessel of a system begins, and how fast; its inputs begin with the same. */
 typedef struct {
     double position[3], velocity[3], attitude[3];
@@ -56,17 +58,11 @@ typedef struct {
     double last_step;
     int64_t use_scene_inputs, scene_inputs_given, vessel_input, vessel_input_given;
     int64_t input_timing, unsettled;
-    int64_t set, position_set_in_run; /* which inputs the master has set: ..._SET */
     double start_time;
-    double input[VR_INPUTS];
     double start[VR_STARTS]; /* of the tow point */
-    /* Derivatives of the inputs that the master has set, for the next step only. */
-    int64_t has_slope;
-    double slope[VR_INPUTS][3];
-    /* How much longer the last step was than the one before, and the inputs set for it. */
-    double growth, before[VR_INPUTS];
+    int64_t has_slope; /* the master has set derivatives of inputs, for the next step only */
+    double growth;     /* how much longer the last step was than the one before */
     int64_t last_mode, last_driven, last_sloped; /* and what drove it */
-    int64_t went_on; /* of a line: which inputs drove the step before it, too: ..._SET */
 } Controls;
 _Static_assert(offsetof(Controls, applied) == 8 * STATE_APPLIED, "the applied inputs in a state");
 _Static_assert(offsetof(Controls, last_step) == sizeof(StepInputs) + offsetof(Controls, applied), "and their step");
@@ -79,8 +75,8 @@ typedef struct Cable {
     double *lengths; /* CableLength of each parameter that is one: lengths_between */
     int64_t length_words;
     double *gaps; /* how far apart the ends of each line are */
-    double *values; /* of the parameters, then what a system's inputs and starts are */
-    int64_t value_words;
+    double *values; /* of the parameters; inputs; then what moves a system's vessels, and their starts */
+    int64_t value_words, inputs;
     System *system;
     int64_t stations, bodies, parameter_count, image_words, block_words, flags;
     int64_t room; /* words of memory behind the block, which grows: see room.c */
@@ -103,6 +99,21 @@ typedef struct Cable {
     double *arcs, *rows;
     char message[300]; /* where a message has numbers in it */
 } Cable;
+
+static inline int within(int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+}
+static inline int whole(double value, int64_t low, int64_t high) {
+    return value >= (double)low && value <= (double)high && value == floor(value);
+}
+
+/* The table of inputs among values: of a line by value reference, of a system by its section. */
+static inline Input *inputs_in(const Cable *cable, const void *values) {
+    return (Input *)((double *)values + cable->parameter_count);
+}
+static inline Input *input_at(const Cable *cable, int64_t n) { return inputs_in(cable, cable->values) + n; }
+/* The value reference of its first one. */
+static inline unsigned first_input(const Cable *cable) { return cable->system != NULL ? VR_SYSTEM_INPUT : 0; }
 
 /* The kernels, compiled ahead of time. */
 int64_t cablemodel_step(void *block, int64_t words, double t_end, double *inputs, int64_t n);
@@ -194,15 +205,14 @@ int reserve_elements(Cable *cable, int64_t capacity);
 void restart_system(Cable *cable);
 void system_changed(System *system);
 const char *check_part_inputs(const Cable *cable, void *values);
-PartInput *part_input(const Cable *cable, unsigned vr);
-double *part_slope(const Cable *cable, unsigned vr);
+int is_command(const Cable *cable, int64_t n);
 int64_t *part_choice(const Cable *cable, unsigned vr);
 void choose_for_part(Cable *cable, unsigned vr, int64_t value);
 const char *name_in_system(const Cable *cable, unsigned vr);
 const char *read_part(Cable *cable, unsigned vr, double *value);
 const char *check_part_value(const Cable *cable, unsigned vr, double value, double *minimum,
                              double *maximum);
-void mark_part_set(Cable *cable, unsigned vr, int derivative);
+int64_t group_in_system(const System *s, int64_t n, int64_t *first);
 VesselStart *vessel_starts(const Cable *cable);
 VesselStart scene_start(const Cable *cable, int64_t vessel);
 int set_system_start(Cable *cable, unsigned vr, double value);
@@ -270,6 +280,11 @@ const char *read_value(Cable *cable, unsigned vr, double *value);
 int64_t driven(const Cable *cable);
 int64_t vessel_input(const Cable *cable);
 int64_t inputs_of(unsigned vr);
+int64_t connected(const Cable *cable);
+Input *input_of(const Cable *cable, unsigned vr);
+int64_t group_of(const Cable *cable, int64_t n, int64_t *first);
+const double *before(const Input *input);
+void remember_input(Input *input, int drives);
 void mark_set(Cable *cable, unsigned vr, int derivative);
 const char *check_value(Cable *cable, unsigned vr, double value);
 void write_value(Cable *cable, unsigned vr, double value);

@@ -128,9 +128,8 @@ static void add_motion(const Cable *cable, unsigned vr, double change, MotionCha
     const int axis = (int)vr % 3;
     double end[3];
     if (!(cable->now.last_driven & (VELOCITY_SET | POSITION_SET))) return;
-    const int64_t group = inputs_of(vr);
-    change_at_end(&cable->now, cable->now.last_mode, group == POSITION_SET, (cable->now.went_on & group) != 0,
-                  change, end);
+    const int went_on = (input_at(cable, vr)->driving & WENT_ON) != 0;
+    change_at_end(&cable->now, cable->now.last_mode, inputs_of(vr) == POSITION_SET, went_on, change, end);
     motion->position[axis] += end[0];
     motion->velocity[axis] += end[1];
     motion->acceleration[axis] += end[2];

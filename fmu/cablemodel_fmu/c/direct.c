@@ -6,14 +6,6 @@
 
 #define LEAST_SETTING 1e-9 /* time step [s] and node spacing [m] of a model file, at least */
 
-static int within(int64_t value, int64_t low, int64_t high) {
-    return value >= low && value <= high;
-}
-
-static int whole(double value, int64_t low, int64_t high) {
-    return value >= (double)low && value <= (double)high && value == floor(value);
-}
-
 static const int64_t *section(const int64_t *I, int64_t index) {
     return I + own_header(I)->sections + index * DIRECT_SECTION_WORDS;
 }

@@ -308,7 +308,7 @@ static void warn_of_ignored(Instance *in, unsigned vr) {
         return;
     }
     const int64_t group = inputs_of(vr);
-    if (!(group & cable->now.set & ~in->warned)) return;
+    if (!(group & connected(cable) & ~in->warned)) return;
     int64_t used = driven(cable);
     const int64_t by = vessel_input(cable);
     const int motion = VELOCITY_SET | POSITION_SET, moves = (used & motion) != 0;
@@ -328,10 +328,7 @@ static void warn_of_ignored(Instance *in, unsigned vr) {
 static void warn_at_first(Instance *in, double dt) {
     Cable *cable = &in->cable;
     if (cable->now.last_step > 0.0) return;
-    if (cable->system == NULL)
-        for (unsigned vr = 0; vr < VR_INPUTS; vr++) warn_of_ignored(in, vr);
-    else
-        for (unsigned vr = VR_SYSTEM_INPUT; part_input(cable, vr) != NULL; vr++) warn_of_ignored(in, vr);
+    for (unsigned vr = first_input(cable); input_of(cable, vr) != NULL; vr++) warn_of_ignored(in, vr);
     const char *problem = in->warned & JUMP_SAID ? NULL : first_jump(cable, dt);
     if (problem == NULL) return;
     in->warned |= JUMP_SAID;
@@ -437,7 +434,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     GIVEN(vr, count, order);
     for (size_t n = 0; n < count; n++) {
         if (slope_of(&in->cable, vr[n]) == NULL)
-            return part_input(&in->cable, vr[n]) == NULL
+            return input_of(&in->cable, vr[n]) == NULL
                        ? unknown(in, __func__, vr[n])
                        : refused(in, __func__, vr[n], "", "a command has no derivatives");
         if (order[n] < 1 || order[n] > 3)

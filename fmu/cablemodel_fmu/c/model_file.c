@@ -97,14 +97,6 @@ static const char *read_file(const char *path, int64_t **words, int64_t *count) 
 }
 
 /* Whether a real of the block holds a whole number from low to high. */
-static int whole(double value, int64_t low, int64_t high) {
-    return value >= (double)low && value <= (double)high && value == floor(value);
-}
-
-static int within(int64_t value, int64_t low, int64_t high) {
-    return value >= low && value <= high;
-}
-
 static int all_finite(const double *values, int count) {
     for (int n = 0; n < count; n++)
         if (!(fabs(values[n]) < 1e100)) return 0;
@@ -296,7 +288,8 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     const int64_t *image = initial_image(cable);
     const char *problem = check_block(image, cable->image_words, cable->block_words);
     if (problem != NULL) return problem;
-    cable->value_words = cable->parameter_count;
+    cable->inputs = VR_INPUTS;
+    cable->value_words = cable->parameter_count + WORDS_OF_INPUT * cable->inputs;
     problem = check_parameters(cable, image);
     if (problem != NULL) return problem;
     if (is_system(image) != (file->system_words > 0)) return "the sizes do not agree";

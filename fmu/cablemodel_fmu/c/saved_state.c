@@ -130,21 +130,23 @@ const char *check_state(const Cable *cable, const void *from, size_t bytes) {
                           then.vessel_input_given | then.has_slope;
     if (then.vessel_input < BY_VELOCITY || then.vessel_input > BY_BOTH ||
         then.input_timing < AT_END || then.input_timing > AT_START || (flags | 1) != 1 ||
-        (then.set | ALL_SET) != ALL_SET || (then.went_on | ALL_SET) != ALL_SET || !(then.last_step >= 0.0 && then.last_step < 1e300) ||
-        !(fabs(then.growth) < 1e300) || then.phase < INSTANTIATED || then.phase > TERMINATED ||
-        !(fabs(then.start_time) < 1e300))
+        !(then.last_step >= 0.0 && then.last_step < 1e300) || !(fabs(then.growth) < 1e300) ||
+        then.phase < INSTANTIATED || then.phase > TERMINATED || !(fabs(then.start_time) < 1e300))
         return "the state is corrupted";
-    for (int n = 0; n < VR_INPUTS; n++)
-        if (!(fabs(then.input[n]) < 1e100) || !(fabs(then.before[n]) < 1e100) ||
-            !(fabs(then.slope[n][0]) < 1e100) || !(fabs(then.slope[n][1]) < 1e100) ||
-            !(fabs(then.slope[n][2]) < 1e100))
-            return "the state is corrupted";
     for (int n = 0; n < VR_STARTS; n++)
         if (!(fabs(then.start[n]) < 1e100)) return "the state is corrupted";
     const double *values = (const double *)((const char *)from + sizeof then);
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (!(values[n] >= cable->parameters[n].minimum && values[n] <= cable->parameters[n].maximum))
             return "the state is corrupted";
+    for (int64_t n = 0; n < cable->inputs; n++) {
+        const Input *input = inputs_in(cable, values) + n;
+        if (!(fabs(input->value) < 1e100) || !(fabs(input->before) < 1e100) ||
+            !(fabs(input->slope[0]) < 1e100) || !(fabs(input->slope[1]) < 1e100) ||
+            !(fabs(input->slope[2]) < 1e100) || !within(input->set, 0, SET_EVER | SET_IN_RUN) ||
+            !within(input->driving, 0, DROVE | WENT_ON))
+            return "the state is corrupted";
+    }
     if (cable->system != NULL && check_part_inputs(cable, (void *)values) != NULL)
         return "the state is corrupted";
     const int64_t *image = images_in(cable, from);

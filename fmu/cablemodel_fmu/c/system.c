@@ -12,10 +12,6 @@
 
 #include "system.h"
 
-static int whole(double value, int64_t low, int64_t high) {
-    return value >= (double)low && value <= (double)high && value == floor(value);
-}
-
 /* -- what a file must be ---------------------------------------------------------------------------- */
 
 static int pieces_fit(const int64_t *I, const double *row) {
@@ -108,14 +104,13 @@ static const char *check_section(const System *s, int64_t segments) {
 const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *I) {
     System *s = cable->system = calloc(1, sizeof *s);
     if (s == NULL) return "out of memory";
-    s->parameters = cable->parameter_count;
     s->lines = section[0];
     s->vessels = header(I)->frame_count;
     s->bodies = header(I)->free_count;
     s->foils = header(I)->foil_count;
     s->winches = header(I)->winch_count;
     s->cuts = header(I)->cut_count;
-    s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->winches + s->cuts;
+    cable->inputs = s->inputs = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies + s->foils + s->winches + s->cuts;
     s->rows = (const PartRow *)(section + 1);
     const int64_t named = named_rows(s);
     if (!within(s->lines, 1, header(I)->cable_count) || words != 1 + ROW_WORDS * named + header(I)->cable_count)
@@ -124,7 +119,7 @@ const char *load_system(Cable *cable, const int64_t *section, int64_t words, con
     const char *problem = check_section(s, header(I)->cable_count);
     if (problem != NULL) return problem;
     s->applied = s->vessels * FRAME_INPUTS + s->bodies * OF_FREE_BODY + s->foils + 2 * s->winches + s->cuts;
-    cable->value_words = s->parameters + s->inputs * (int64_t)(sizeof(PartInput) / 8) +
+    cable->value_words = cable->parameter_count + WORDS_OF_INPUT * s->inputs +
                          s->vessels * (int64_t)(sizeof(Choice) / 8) + START_WORDS * s->vessels + s->applied;
     s->outputs = s->lines * (LINE_OUTPUTS + STATION_OUTPUTS * cable->stations) +
                  s->bodies * BODY_OUTPUTS + s->vessels * VESSEL_OUTPUTS +
@@ -178,44 +173,30 @@ void free_system(System *s) {
 
 /* -- inputs -------------------------------------------------------------------------------------- */
 
-static PartInput *inputs_in(const System *s, void *values, int64_t n) {
-    return within(n, 0, s->inputs - 1) ? (PartInput *)((double *)values + s->parameters) + n : NULL;
+static Choice *choices_in(const Cable *cable, const void *values) {
+    return (Choice *)(inputs_in(cable, values) + cable->inputs);
 }
 
-static Choice *choices_in(const System *s, void *values) {
-    return (Choice *)((PartInput *)((double *)values + s->parameters) + s->inputs);
-}
-
-static VesselStart *starts_in(const System *s, void *values) {
-    return (VesselStart *)(choices_in(s, values) + s->vessels);
+static VesselStart *starts_in(const Cable *cable, const void *values) {
+    return (VesselStart *)(choices_in(cable, values) + cable->system->vessels);
 }
 
 /* What the kernels were given in the last step: FRAME_INPUTS words of each vessel, force and torque on
    each body, deflections (NaN: not given), of each winch whether its rate is given, and that, cuts
    that were ordered. cablemodel_fmu/recording.py reads it. */
-static double *applied_in(const System *s, void *values) {
-    return (double *)(starts_in(s, values) + s->vessels);
+static double *applied_in(const Cable *cable, const void *values) {
+    return (double *)(starts_in(cable, values) + cable->system->vessels);
 }
 
-/* By a value reference; NULL: it is none. */
-PartInput *part_input(const Cable *cable, unsigned vr) {
-    if (cable->system == NULL) return NULL;
-    return inputs_in(cable->system, cable->values, (int64_t)vr - VR_SYSTEM_INPUT);
-}
-
-static int is_command(const System *s, int64_t n) { return n >= s->inputs - s->cuts; }
-
-/* The derivatives of an input that has some. */
-double *part_slope(const Cable *cable, unsigned vr) {
-    PartInput *input = part_input(cable, vr);
-    if (input == NULL || is_command(cable->system, (int64_t)vr - VR_SYSTEM_INPUT)) return NULL;
-    return input->slope;
+/* Whether an input orders something, and does not vary. */
+int is_command(const Cable *cable, int64_t n) {
+    return cable->system != NULL && n >= cable->system->inputs - cable->system->cuts;
 }
 
 static Choice *choice(const Cable *cable, unsigned vr) {
     const int64_t n = (int64_t)vr - VR_SYSTEM_CHOICE;
     if (!within(n, 0, cable->system->vessels - 1)) return NULL;
-    return choices_in(cable->system, cable->values) + n;
+    return choices_in(cable, cable->values) + n;
 }
 
 int64_t *part_choice(const Cable *cable, unsigned vr) {
@@ -231,7 +212,7 @@ void choose_for_part(Cable *cable, unsigned vr, int64_t value) {
 
 /* -- starts of vessels --------------------------------------------------------------------------- */
 
-VesselStart *vessel_starts(const Cable *cable) { return starts_in(cable->system, cable->values); }
+VesselStart *vessel_starts(const Cable *cable) { return starts_in(cable, cable->values); }
 
 /* One number of them, by its value reference; NULL: it is none. */
 static double *start_number(const Cable *cable, unsigned vr) {
@@ -286,11 +267,11 @@ int set_system_start(Cable *cable, unsigned vr, double value) {
     if (*number == value) return 0;
     *number = value;
     const int64_t place = OF_VESSEL * (n / START_WORDS) + groups[of_vessel / 3] + of_vessel % 3;
-    PartInput *input = inputs_in(cable->system, cable->values, place);
+    Input *input = input_at(cable, place);
     if (!input->set) input->value = value;
     const int64_t first_rate = OF_VESSEL * (n / START_WORDS) + AT_RATE;
     for (int64_t rate = first_rate; rate < first_rate + 3; rate++) {
-        input = inputs_in(cable->system, cable->values, rate);
+        input = input_at(cable, rate);
         if (!input->set) input->value = velocity_set(cable, n / START_WORDS) ? 0.0 : cable->system->rows[rate].start;
     }
     return 1;
@@ -298,13 +279,11 @@ int set_system_start(Cable *cable, unsigned vr, double value) {
 
 void restart_system(Cable *cable) {
     System *s = cable->system;
-    memset(cable->values + s->parameters, 0, 8 * (size_t)(cable->value_words - s->parameters));
     memset(s->told, 0, (size_t)s->inputs);
-    for (int64_t n = 0; n < s->inputs; n++)
-        inputs_in(s, cable->values, n)->value = s->rows[n].start;
+    for (int64_t n = 0; n < s->inputs; n++) input_at(cable, n)->value = s->rows[n].start;
     for (int64_t n = 0; n < s->vessels; n++)
-        choices_in(s, cable->values)[n].by = (int64_t)s->rows[s->inputs + n].start;
-    for (int64_t n = 0; n < s->vessels; n++) starts_in(s, cable->values)[n] = scene_start(cable, n);
+        choices_in(cable, cable->values)[n].by = (int64_t)s->rows[s->inputs + n].start;
+    for (int64_t n = 0; n < s->vessels; n++) starts_in(cable, cable->values)[n] = scene_start(cable, n);
     s->current = 0;
 }
 
@@ -312,16 +291,12 @@ void restart_system(Cable *cable) {
 const char *check_part_inputs(const Cable *cable, void *values) {
     const System *s = cable->system;
     for (int64_t n = 0; n < s->inputs; n++) {
-        const PartInput *input = inputs_in(s, values, n);
+        const Input *input = inputs_in(cable, values) + n;
         const PartRow *row = s->rows + n;
-        if (!(input->value >= row->minimum && input->value <= row->maximum) ||
-            !(fabs(input->before) < 1e100) || !(fabs(input->slope[0]) < 1e100) ||
-            !(fabs(input->slope[1]) < 1e100) || !(fabs(input->slope[2]) < 1e100) ||
-            !within(input->set, 0, SET_EVER | SET_IN_RUN) || !within(input->driving, 0, DROVE | WENT_ON))
-            return "an input is out of range";
+        if (!(input->value >= row->minimum && input->value <= row->maximum)) return "an input is out of range";
     }
-    const Choice *choices = choices_in(s, values);
-    const double *starts = (const double *)starts_in(s, values), *applied = applied_in(s, values);
+    const Choice *choices = choices_in(cable, values);
+    const double *starts = (const double *)starts_in(cable, values), *applied = applied_in(cable, values);
     for (int64_t n = 0; n < START_WORDS * s->vessels; n++) {
         const PartRow *row = s->rows + first_start(s) + n;
         if (!(starts[n] >= row->minimum && starts[n] <= row->maximum)) return "a start is out of range";
@@ -337,7 +312,7 @@ const char *check_part_inputs(const Cable *cable, void *values) {
 const char *name_in_system(const Cable *cable, unsigned vr) {
     const System *s = cable->system;
     if (start_number(cable, vr) != NULL) return s->rows[first_start(s) + (vr - VR_SYSTEM_START)].name;
-    if (part_input(cable, vr) != NULL) return s->rows[vr - VR_SYSTEM_INPUT].name;
+    if (input_of(cable, vr) != NULL) return s->rows[vr - VR_SYSTEM_INPUT].name;
     return choice(cable, vr) != NULL ? s->rows[s->inputs + (vr - VR_SYSTEM_CHOICE)].name : NULL;
 }
 
@@ -350,44 +325,35 @@ const char *check_part_value(const Cable *cable, unsigned vr, double value, doub
             return "a start is fixed: set it before the end of the initialization";
         if (!(cable->flags & FLAG_MOVABLE) && value != row->start)
             return "friction holds bodies, or what was laid, at this start: export the scene with another";
-    } else if (part_input(cable, vr) == NULL) {
+    } else if (input_of(cable, vr) == NULL) {
         const int known = vr >= VR_SYSTEM_OUTPUT && vr - VR_SYSTEM_OUTPUT < cable->system->outputs;
         return known ? "an output cannot be set" : "unknown value reference";
     }
-    if (part_input(cable, vr) != NULL) row += vr - VR_SYSTEM_INPUT;
+    if (input_of(cable, vr) != NULL) row += vr - VR_SYSTEM_INPUT;
     if (!(fabs(value) < 1e100)) return "the value is not finite";
     *minimum = row->minimum;
     *maximum = row->maximum;
     return NULL;
 }
 
-/* How many inputs go together, and the first of them: a vessel's and a body's, by threes. */
-static int64_t group_of(const System *s, int64_t n, int64_t *first) {
+/* As group_of: a vessel's and a body's, by threes. */
+int64_t group_in_system(const System *s, int64_t n, int64_t *first) {
     const int64_t vectors = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies;
     *first = n < vectors ? n - n % 3 : n;
     return n < vectors ? 3 : 1;
-}
-
-void mark_part_set(Cable *cable, unsigned vr, int derivative) {
-    const System *s = cable->system;
-    int64_t first = 0;
-    const int64_t count = group_of(s, (int64_t)vr - VR_SYSTEM_INPUT, &first);
-    const int in_run = cable->now.phase == STEPPING && !derivative;
-    for (int64_t n = first; n < first + count; n++)
-        inputs_in(s, cable->values, n)->set |= SET_EVER | (in_run ? SET_IN_RUN : 0);
 }
 
 /* Whether an input drives, where the choice of what moves its vessel allows it: as `driven`. */
 static int drives(const Cable *cable, int64_t n) {
     if (!cable->now.use_scene_inputs) return 1;
     if (cable->now.scene_inputs_given || (cable->flags & FLAG_IGNORE)) return 0;
-    return inputs_in(cable->system, cable->values, n)->set != 0;
+    return input_at(cable, n)->set != 0;
 }
 
 /* Which inputs move a vessel: as `vessel_input`. */
 static int64_t moved_by(const Cable *cable, int64_t vessel) {
-    const PartInput *own = inputs_in(cable->system, cable->values, OF_VESSEL * vessel);
-    const Choice *choice = choices_in(cable->system, cable->values) + vessel;
+    const Input *own = input_at(cable, OF_VESSEL * vessel);
+    const Choice *choice = choices_in(cable, cable->values) + vessel;
     const int place = (own[AT_POSITION].set | own[AT_ATTITUDE].set) & SET_IN_RUN;
     const int alone = place && !own[AT_VELOCITY].set && !own[AT_RATE].set;
     return alone && !choice->given ? BY_POSITION : choice->by;
@@ -395,7 +361,7 @@ static int64_t moved_by(const Cable *cable, int64_t vessel) {
 
 /* Of both, one that alone is connected moves place or attitude alone. */
 static int chosen(const Cable *cable, int64_t vessel, int64_t group) {
-    const PartInput *own = inputs_in(cable->system, cable->values, OF_VESSEL * vessel);
+    const Input *own = input_at(cable, OF_VESSEL * vessel);
     const int64_t by = moved_by(cable, vessel);
     const int is_place = group == AT_POSITION || group == AT_ATTITUDE;
     if (by != BY_BOTH) return (by == BY_POSITION) == is_place;
@@ -407,10 +373,10 @@ static int chosen(const Cable *cable, int64_t vessel, int64_t group) {
 const char *ignored_part_input(Cable *cable, unsigned vr) {
     System *s = cable->system;
     int64_t first = 0;
-    if (part_input(cable, vr) == NULL) return NULL;
+    if (input_of(cable, vr) == NULL) return NULL;
     const int64_t n = (int64_t)vr - VR_SYSTEM_INPUT;
-    group_of(s, n, &first);
-    if ((s->told[first] & TOLD_IGNORED) || !inputs_in(s, cable->values, n)->set) return NULL;
+    group_of(cable, n, &first);
+    if ((s->told[first] & TOLD_IGNORED) || !input_at(cable, n)->set) return NULL;
     const char *why = NULL;
     if (!drives(cable, n)) why = "";
     else if (n < OF_VESSEL * s->vessels && cable->now.phase == STEPPING &&
@@ -422,18 +388,14 @@ const char *ignored_part_input(Cable *cable, unsigned vr) {
 
 /* -- steps --------------------------------------------------------------------------------------- */
 
-static const double *before(const PartInput *input) {
-    return input->driving & DROVE ? &input->before : NULL;
-}
-
 static double at_end(const Cable *cable, int64_t n, double dt) {
-    const PartInput *input = inputs_in(cable->system, cable->values, n);
+    const Input *input = input_at(cable, n);
     return value_at_end(&cable->now, input->slope, input->value, before(input), dt);
 }
 
 /* The same of a place or an angle that moves a vessel without its rate, at the speed that it has.
    Angles go the shorter way. */
-static double moved_at_end(const Controls *now, const PartInput *x, int turning, double speed, double dt) {
+static double moved_at_end(const Controls *now, const Input *x, int turning, double speed, double dt) {
     if (before(x) == NULL) return place_at_end(now, x->slope, x->value, speed, NULL, dt);
     const double way = x->value - x->before, turn = 2.0 * PI;
     const double from = turning ? x->value - remainder(way, turn) : x->before;
@@ -448,7 +410,7 @@ static void look_at_frames(Cable *cable) {
 
 /* Where velocities and rates lead whose derivatives say that they do not vary linearly, as places and
    attitudes that are not given; which of these are now. */
-static int64_t curved_way(const Cable *cable, const PartInput *own, int64_t given, double dt,
+static int64_t curved_way(const Cable *cable, const Input *own, int64_t given, double dt,
                           FrameInput *motion, const FrameInput *moves) {
     const struct {
         int64_t rate, given_rate, given_place;
@@ -458,7 +420,7 @@ static int64_t curved_way(const Cable *cable, const PartInput *own, int64_t give
                 {AT_RATE, GIVEN_RATE, GIVEN_ATTITUDE, motion->attitude, moves->attitude}};
     int64_t more = 0;
     for (int k = 0; k < 2 && cable->now.has_slope; k++) {
-        const PartInput *rate = own + ways[k].rate;
+        const Input *rate = own + ways[k].rate;
         int curved = 0;
         for (int i = 0; i < 3; i++) curved |= is_curved(rate[i].slope);
         if (!curved || !(given & ways[k].given_rate) || (given & ways[k].given_place)) continue;
@@ -478,7 +440,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
                   {AT_VELOCITY, GIVEN_VELOCITY, 0},
                   {AT_RATE, GIVEN_RATE, 0}};
     const int64_t first = OF_VESSEL * vessel;
-    const PartInput *own = inputs_in(cable->system, cable->values, first);
+    const Input *own = input_at(cable, first);
     double *const ends[] = {motion->position, motion->attitude, motion->velocity, motion->attitude_rate};
     const FrameInput *moves = AS(const FrameInput, cable->system->own) + vessel;
     int64_t given = 0;
@@ -488,7 +450,7 @@ static int collect_motion(const Cable *cable, int64_t vessel, double dt, FrameIn
         given |= groups[k].given;
         const int beside = rate != 0 && chosen(cable, vessel, rate) && drives(cable, first + rate);
         for (int64_t i = 0; i < 3; i++) {
-            const PartInput *x = own + group + i, *v = own + rate + i;
+            const Input *x = own + group + i, *v = own + rate + i;
             const int turning = group == AT_ATTITUDE;
             const double speed = turning ? moves->attitude_rate[i] : moves->velocity[i];
             ends[k][i] =
@@ -556,7 +518,7 @@ const char *zero_part_input(const Cable *cable, int64_t n) {
     const int64_t first = winch < 0 ? OF_VESSEL * n + AT_VELOCITY : s->inputs - s->cuts - s->winches + winch;
     double given[3] = {0};
     if (winch >= s->winches || !drives(cable, first)) return NULL;
-    for (int64_t i = 0; i < (winch < 0 ? 3 : 1); i++) given[i] = inputs_in(s, cable->values, first + i)->value;
+    for (int64_t i = 0; i < (winch < 0 ? 3 : 1); i++) given[i] = input_at(cable, first + i)->value;
     if (!is_zero(given)) return NULL;
     if (winch >= 0) return turns(cable, winch) ? s->rows[first].name : NULL;
     const Frame *row = AS(Frame, cable->M + header(cable->I)->frames + FRAME_WORDS * n);
@@ -599,7 +561,7 @@ static int collect_parts(const Cable *cable, double dt) {
     }
     for (int64_t n = 0; n < s->cuts; n++, input++) {
         const double *row = cable->M + header(I)->cuts + n * CUT_WORDS;
-        const double value = inputs_in(s, cable->values, input)->value;
+        const double value = input_at(cable, input)->value;
         const int due = drives(cable, input) && value > 0.5 && !(AS(Cut, row)->done < 1e300);
         s->orders[n] = due && AS(Cut, row)->ordered == 0.0 ? 1.0 : 0.0;
         any |= s->orders[n] != 0.0;
@@ -628,7 +590,7 @@ const char *idle_winch(Cable *cable, int *inward) {
 /* What a step has applied, into the words of `applied_in`. */
 static void remember_applied(Cable *cable) {
     const System *s = cable->system;
-    double *to = applied_in(s, cable->values);
+    double *to = applied_in(cable, cable->values);
     const int64_t first_foil = OF_VESSEL * s->vessels + OF_FREE_BODY * s->bodies;
     for (int64_t n = 0; n < s->foils; n++)
         if (!drives(cable, first_foil + n)) s->angles[n] = NAN;
@@ -661,21 +623,12 @@ int64_t step_system(Cable *cable, double t_end, double dt) {
         header(cable->I)->payout = payout;
         return status;
     }
-    for (int64_t n = 0; n < s->inputs; n++) {
-        PartInput *input = inputs_in(s, cable->values, n);
-        input->before = input->value;
-        input->driving = (input->driving & DROVE ? WENT_ON : 0) | (in_use(cable, n) ? DROVE : 0);
-    }
+    for (int64_t n = 0; n < s->inputs; n++) remember_input(input_at(cable, n), in_use(cable, n));
     remember_applied(cable);
     return OK;
 }
 
 const char *read_part(Cable *cable, unsigned vr, double *value) {
-    const PartInput *input = part_input(cable, vr);
-    if (input != NULL) {
-        *value = input->value;
-        return NULL;
-    }
     const double *start = start_number(cable, vr);
     if (start != NULL) {
         *value = *start;
@@ -706,8 +659,8 @@ int motion_of(const Cable *cable, unsigned vr, MotionInput *found) {
     found->axis = n % 3;
     found->turning = group == AT_ATTITUDE || group == AT_RATE;
     found->is_position = group == AT_POSITION || group == AT_ATTITUDE;
-    found->went_on = (inputs_in(s, cable->values, n)->driving & WENT_ON) != 0;
-    const PartInput *own = inputs_in(s, cable->values, OF_VESSEL * found->vessel);
+    found->went_on = (input_at(cable, n)->driving & WENT_ON) != 0;
+    const Input *own = input_at(cable, OF_VESSEL * found->vessel);
     const int by_place = own[found->turning ? AT_ATTITUDE : AT_POSITION].driving & DROVE;
     const int by_rate = own[found->turning ? AT_RATE : AT_VELOCITY].driving & DROVE;
     found->by = by_place && by_rate ? BY_BOTH : by_place ? BY_POSITION : by_rate ? BY_VELOCITY : 0;

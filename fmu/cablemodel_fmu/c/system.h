@@ -25,7 +25,6 @@ typedef struct {
 } Element;
 
 struct System {
-    int64_t parameters; /* of the model: their values come first */
     int64_t lines, inputs, vessels, bodies, foils, winches, cuts, outputs;
     const PartRow *rows;
     const int64_t *segments;
@@ -42,10 +41,6 @@ struct System {
     double *own; /* how vessels move as it begins: FRAME_INPUTS of each */
     int64_t applied;                                          /* words of `applied_in` */
 };
-
-static inline int within(int64_t value, int64_t low, int64_t high) {
-    return value >= low && value <= high;
-}
 
 /* Rows of what moves vessels, of their starts, of lines, of bodies. */
 static inline int64_t first_start(const System *s) { return s->inputs + s->vessels; }
