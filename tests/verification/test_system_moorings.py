@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.optimize import fsolve
 import cablemodel as cm
 from cablemodel.cli.plausibility import held_by_springs, system_start_warnings
 from cablemodel.solvers.finite_element.start import firm_friction
+from cablemodel.solvers.shared import layout as at
 from tests.verification.references.moored import moored_catenary
 
 LENGTH, WEIGHT, STIFFNESS, DEPTH = 280.0, 850.0, 300e6, 100.0
@@ -407,7 +409,10 @@ def test_check_tells_by_how_much_soft_friction_misses_the_tension_of_an_anchor(
     a metre from a tension that rises at the touchdown, and lets none of it come to an anchor far
     behind: springs do, by no more than `check` says."""
     lies = 30.0
-    monkeypatch.setattr(firm_friction, "take_hold", lambda *_: False)
+    finds_none = SimpleNamespace(
+        equilibrium=lambda *_: at.STATICS_FAILED, OutOfTimeError=TimeoutError
+    )
+    monkeypatch.setattr(firm_friction, "search", finds_none)
     model = cm.SystemModel(moored_ship([piece(130.0)], tolerance))
     line = model.lines["leg"]
     first, largest = line.start_tension, line.end_tension

@@ -152,7 +152,6 @@ int64_t cablemodel_end_search(void *block, int64_t words);
 int64_t cablemodel_restore_bending(void *block, int64_t words);
 int64_t cablemodel_start_flow(void *block, int64_t words);
 int64_t cablemodel_stop_flow(void *block, int64_t words, double *frame, int64_t n);
-int64_t cablemodel_to_three_dimensions(void *block, int64_t words);
 int64_t cablemodel_drive(void *block, int64_t words, double t_end, double *motion, int64_t n,
                          double *forces, int64_t m, double *angles, int64_t k, double *rates, int64_t r,
                          double *orders, int64_t cuts);
