@@ -257,7 +257,7 @@ def make_symmetric(I, M):
                 L[size * j + i] = U[size * i + j]
 
 
-@kernel
+@outlined
 def count_growing(I, M, rate):
     """Of small motions about the state how many grow faster than a rate [1/s]; -1: a pivot is none.
     The matrix is used up, and of a system what `lift_pressed` changes stays so."""

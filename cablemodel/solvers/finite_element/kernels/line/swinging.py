@@ -213,7 +213,7 @@ def find_motions(I, M, mass, damping, basis, x, y):
     return found
 
 
-@kernel
+@outlined
 def count_swinging(I, M, rate, work):
     """Of small motions about a system's state how many grow faster than a rate [1/s]; -1: the
     matrix is singular. Tensions and matrix are used up. work: room for `work_words`, of which the

@@ -10,10 +10,10 @@ from cablemodel.solvers.finite_element.kernels.time.begin import (
 )
 from cablemodel.solvers.finite_element.kernels.time.time_stepping import update_bending
 from cablemodel.solvers.shared.access import foot_of, header, scalars
-from cablemodel.solvers.shared.compile import kernel
+from cablemodel.solvers.shared.compile import kernel, outlined
 
 
-@kernel
+@outlined
 def choose_bending(I, M):
     """Decide whether a hybrid's elements keep bending, and how stiff clamps are."""
     update_bending(I, M)
@@ -28,7 +28,7 @@ def set_friction(I, M, lines, feet):
         foot_of(I, M, n).friction = feet
 
 
-@kernel
+@outlined
 def end_search(I, M):
     """What finding a start took is forgotten; elements of a hybrid choose how they bend, and clamps
     of a line alone get the stiffness of their tensions."""

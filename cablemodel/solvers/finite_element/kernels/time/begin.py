@@ -17,7 +17,7 @@ from cablemodel.solvers.shared.access import (
     tension_of,
     winch_of,
 )
-from cablemodel.solvers.shared.compile import copy_words, kernel, view
+from cablemodel.solvers.shared.compile import copy_words, kernel, outlined, view
 from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, JOINT_NONE, JOINT_ROOT, BeginRows
 
 ROW_BENT, ROW_ACCELERATIONS = BeginRows.bent.word, BeginRows.accelerations.word
@@ -40,7 +40,7 @@ def place_supports(I, M):
     )
 
 
-@kernel
+@outlined
 def hold_supports(I, M):
     """The same of a shape at rest, but for accelerations: they begin after t = 0. With them the
     force at a top would hold the inertia of a piece as long as the mesh makes it."""
