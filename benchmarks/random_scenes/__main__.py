@@ -4,10 +4,11 @@ Verdicts are kept in ``docs/stress/random_scenes.json``; a part of the seeds rep
 The tables of ``docs/stress.md`` are written from all that are kept, and ``outcomes.csv`` beside.
 ``--only`` prints the scene and all about its outcome, and keeps nothing. ``--set 2`` judges another
 thousand scenes (seeds 1000 to 1999), to see whether what was made better for the first holds for
-scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--waves``
-judges 200 scenes in waves (from 10000 on), ``--ordinary`` those of ordinary jobs (from 20000 on),
-``--converge`` the thousand as runs that are asked to converge; each has a file of its own. What
-makes a search fail: ``failures.py``.
+scenes that nobody has looked at; their verdicts are printed and counted, not kept. ``--held``
+judges 200 scenes (from 5000 on) that no rule was made by, and keeps them: once. ``--waves`` judges
+200 in waves (from 10000 on), ``--ordinary`` those of ordinary jobs (from 20000 on), ``--converge``
+the thousand as runs that are asked to converge; each has a file of its own. What makes a search
+fail: ``failures.py``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from benchmarks.random_scenes.chance import COUNT
 from benchmarks.random_scenes.failures import failures
 from benchmarks.random_scenes.judge import Verdict
 from benchmarks.random_scenes.ordinary import drawn
-from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, JOBS
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, HELD, JOBS
 from benchmarks.random_scenes.watch import search, work
 
 PAGE = Path("docs/stress.md")
@@ -45,6 +46,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--count", type=int, default=COUNT, help="how many seeds from there on")
+    parser.add_argument("--held", action="store_true", help="scenes that no rule was made by")
     parser.add_argument("--waves", action="store_true", help="scenes in waves")
     parser.add_argument("--ordinary", action="store_true", help="scenes of ordinary jobs")
     parser.add_argument("--converge", action="store_true", help="runs that are asked to converge")
@@ -55,8 +57,8 @@ def main() -> None:
     parser.add_argument("--set", type=int, default=1, help="which thousand; others than 1: no page")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
-    if chosen.waves + chosen.ordinary + chosen.converge > 1:
-        parser.error("--waves, --ordinary and --converge are three searches: choose one")
+    if chosen.held + chosen.waves + chosen.ordinary + chosen.converge > 1:
+        parser.error("--held, --waves, --ordinary and --converge are searches: choose one")
     if chosen.worker:
         work([int(seed) for seed in chosen.worker.split(",")], converged=chosen.converge)
         return
@@ -83,7 +85,7 @@ def main() -> None:
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    kind = AT_SEA if chosen.waves else JOBS if chosen.ordinary else ALL
+    kind = AT_SEA if chosen.waves else JOBS if chosen.ordinary else HELD if chosen.held else ALL
     if chosen.converge:
         kind = CONVERGED
     store = STORED / kind.file(".json")

@@ -9,13 +9,14 @@ from typing import Any
 
 from benchmarks.random_scenes import estimate
 from benchmarks.random_scenes.failures import BY_THE_PROMISE
-from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, JOBS, Search
+from benchmarks.random_scenes.report import ALL, AT_SEA, CONVERGED, HELD, JOBS, Search
 from benchmarks.sections import table, write_part
 
 TITLE = "random scenes"
 """The mark of the part."""
 _WORDS = (
-    (ALL, "single runs"),
+    (ALL, "single runs, in sample"),
+    (HELD, "single runs, out of sample"),
     (AT_SEA, "single runs in waves"),
     (JOBS, "single runs of ordinary jobs"),
     (CONVERGED, "runs that are asked to converge"),
@@ -52,9 +53,10 @@ def promise(stored: Path) -> str:
     """How often runs are wrong, by what a user asks for; all searches must be stored."""
     rows = []
     for search, words in (
-        (ALL, "a single run"),
+        (ALL, "a single run, in sample"),
+        (HELD, "a single run, out of sample"),
         (AT_SEA, "a single run in waves"),
-        (JOBS, "a single run of an ordinary job"),
+        (JOBS, "a single run of an ordinary job, out of sample"),
     ):
         found = Counter(row["outcome"] for row in _read(stored / search.file(".json")))
         rows.append((words, *_rate(found["wrong"], found.total() - sum(found[o] for o in NEVER))))

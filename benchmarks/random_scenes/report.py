@@ -52,6 +52,8 @@ class Search:
 
 
 ALL = Search("Random scenes", 0, COUNT)
+HELD = Search("Random scenes held back", 5 * COUNT, 200, pictured=False)
+"""Judged once: no rule was made by any of them."""
 AT_SEA = Search("Random scenes in waves", IN_WAVES, 200)
 CONVERGED = Search(
     "Random scenes that are asked to converge",
@@ -61,7 +63,7 @@ CONVERGED = Search(
     claimed=True,
 )
 JOBS = Search("Ordinary scenes", ORDINARY, 140, pictured=False)
-SEARCHES = (ALL, AT_SEA, JOBS, CONVERGED)
+SEARCHES = (ALL, HELD, AT_SEA, JOBS, CONVERGED)
 SHOWN = ("medium",)
 """Traits by which the page tells of single runs; all others are in the data file."""
 

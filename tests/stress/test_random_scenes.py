@@ -312,7 +312,7 @@ def test_the_overview_counts_what_is_stored(tmp_path: Path) -> None:
     store("error_estimates.json", [(outcome, []) for outcome in said])
     overview.write(page)
     text = page.read_text()
-    assert "|single runs|9|1|1|claims nothing||2 of 8 (25 %)|" in text
+    assert "|single runs, in sample|9|1|1|claims nothing||2 of 8 (25 %)|" in text
     assert "|runs that are asked to converge|5|0|0|4|1|1 of 4 (25 %)|" in text
     assert "|8|||7|1|2 of 8 (25 %)|" in text
     assert "in waves" not in text

@@ -318,7 +318,8 @@ def phase_missed(change, off):
     if off == 0.0 or 2.0 * off > change:
         return 0.0
     turn = math.sqrt(2.0 * off / change)
-    return min(2.0 / LOSS_FACTOR / 3.0 * change * turn, 2.0 * change / turn)
+    late = 2.0 / LOSS_FACTOR / 3.0 * change * turn
+    return min(late, 2.0 * change / turn)
 
 
 @kernel
