@@ -578,8 +578,7 @@ const char *idle_winch(Cable *cable, int *inward) {
         const Winch *winch = winch_of(cable->I, n);
         const double rate = s->rates[2 * n] != 0.0 ? s->rates[2 * n + 1] : 0.0;
         const int told = rate < 0.0 ? TOLD_SHORTEST : TOLD_IDLE;
-        const int stands = rate < 0.0 ? winch->at_limit < 0.0 : winch->paid >= winch->paid_most;
-        if (rate == 0.0 || !stands || (s->told[first + n] & told)) continue;
+        if (rate * winch->at_limit <= 0.0 || (s->told[first + n] & told)) continue;
         s->told[first + n] |= (char)told;
         *inward = rate < 0.0;
         return s->rows[first + n].name;
