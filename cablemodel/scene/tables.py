@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import shown
+from cablemodel.scene.base import rising
 from cablemodel.scene.units import rejection
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def _motion_from_file(
         row = int(early[0]) + 1
         word = "twice the same t" if times[row] == times[row - 1] else "out of order: t"
         problem = f"row {row + 1} of {path.name}: {word} ({times[row]:g} after {times[row - 1]:g})"
-        raise rejection(problem, "t rising from row to row", path.name, at)
+        raise rejection(problem, rising("t"), path.name, at)
     return times, np.stack([columns[name] for name in kind.columns], axis=1)
 
 
