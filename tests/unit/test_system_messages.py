@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -166,3 +167,27 @@ def test_recorders_name_each_other() -> None:
     line = cm.CableModel({"cable_types": types, "line": [{"cable": {"type": "wire", "length": 9}}]})
     with pytest.raises(TypeError, match=r"<CableModel of 'untitled' .* is recorded by a Recorder"):
         cm.SystemRecorder(line)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "words"),
+    [
+        ("raos", "heading_deg,period,heave_phase", "'heave_phase', did you mean heave_phase_deg?"),
+        ("raos", "heading_deg,period,pitch", "unknown column 'pitch', did you mean pitch_deg?"),
+        ("raos", "heading_deg,period,haeve", "unknown column 'haeve', did you mean heave?"),
+        ("raos", "heading_deg,period,gain", "unknown column 'gain'; allowed: the columns heading"),
+        ("attitude", "t,roll,pitch,yaw,yaw_deg", "unknown column 'yaw_deg', did you mean yaw?"),
+    ],
+)
+def test_a_column_that_would_be_dropped_is_refused(
+    tmp_path: Path, key: str, text: str, words: str
+) -> None:
+    (tmp_path / "ship.csv").write_text(f"{text}\n0,5,1,0,0\n")
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    name = str(tmp_path / "ship.csv")
+    scene["vessels"]["ship"][key] = name if key == "raos" else {"file": name}
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(scene)
+    assert caught.value.path.startswith(f"vessels.ship.{key}")
+    assert "ship.csv: unknown column" in str(caught.value)
+    assert words in str(caught.value)
