@@ -57,6 +57,8 @@ STALL_BEGINS, STALL_LASTS = 0.75, 0.5
 """Of the stall angle: where the flow begins to part, and within what it has."""
 WING_ROWS = 361
 """Of a thin wing's table: one a degree."""
+SAME = 1e-6
+"""By what rounding may make responses or coefficients differ that are the same."""
 INERTIA_ROUNDED = 1e-9
 """Of a moment of inertia: by what rounding may make it larger than the sum of the others."""
 
@@ -84,6 +86,14 @@ class RaoPoint(SceneModel):
     pitch_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
     yaw_deg: Coefficient = Field(default=0.0, description="degrees per metre")
     yaw_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+
+    @property
+    def response(self) -> NDArray[np.complex128]:
+        """Surge, sway, heave [m/m], roll, pitch and yaw [rad/m] with their phases (6,)."""
+        names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
+        phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
+        sizes = np.array([getattr(self, name) for name in names]) * [1, 1, 1, *(math.pi / 180,) * 3]
+        return sizes * np.exp(1j * np.radians([getattr(self, phase) for phase in phases]))
 
 
 class AttitudePoint(SceneModel):
@@ -181,10 +191,26 @@ class VesselFrame(Vessel):
     def _full_grid(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
         headings = sorted({row.heading_deg for row in rows})
         periods = sorted({row.period for row in rows})
-        if len(rows) != len(headings) * len(periods):
+        pairs = {(row.heading_deg, row.period) for row in rows}
+        if not len(pairs) == len(rows) == len(headings) * len(periods):
             allowed = "one row for every period at every heading"
             problem = f"{len(rows)} rows of {len(headings)} headings and {len(periods)} periods"
             raise rejection(problem, allowed, len(rows))
+        return rows
+
+    @field_validator("raos")
+    @classmethod
+    def _one_answer(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
+        """Headings that a turn lies between are the same one."""
+        first: dict[tuple[float, float], int] = {}
+        for index, row in enumerate(rows):
+            heading = round(row.heading_deg % 360.0, 9) % 360.0
+            before = first.setdefault((heading, row.period), index)
+            if not np.allclose(rows[before].response, row.response, rtol=SAME, atol=SAME):
+                problem = f"rows {before} and {index} differ, of period {row.period:g} s and "
+                problem += f"headings {rows[before].heading_deg:g} and {row.heading_deg:g} degrees,"
+                problem += " which are the same"
+                raise rejection(problem, "one of these rows, or equal ones", None, (index,))
         return rows
 
 

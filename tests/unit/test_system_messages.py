@@ -191,3 +191,27 @@ def test_a_column_that_would_be_dropped_is_refused(
     assert caught.value.path.startswith(f"vessels.ship.{key}")
     assert "ship.csv: unknown column" in str(caught.value)
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("headings", [(0, 360), (-90, 270), (180, -180)])
+def test_headings_that_a_turn_lies_between_have_one_answer(headings: tuple[int, int]) -> None:
+    """The one that stood last in the file was taken."""
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    rows = [{"heading_deg": heading, "period": 5, "heave": 0.5} for heading in headings]
+    scene["vessels"]["ship"]["raos"] = rows
+    rows[1]["heave_phase_deg"] = 360
+    cm.load_system(scene)
+    rows[1]["heave_phase_deg"] = 90
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(scene)
+    assert caught.value.path == "vessels.ship.raos.1"
+    words = f"rows 0 and 1 differ, of period 5 s and headings {headings[0]} and {headings[1]} deg"
+    assert words in str(caught.value)
+
+
+def test_a_row_that_stands_twice_is_not_one_that_is_missing() -> None:
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    rows = [{"heading_deg": heading, "period": 5 + heading} for heading in (0, 0, 1, 1)]
+    scene["vessels"]["ship"]["raos"] = rows
+    with pytest.raises(cm.SceneError, match="one row for every period at every heading"):
+        cm.load_system(scene)
