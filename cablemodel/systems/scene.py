@@ -22,7 +22,6 @@ from pydantic.config import JsonDict
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene import sea
 from cablemodel.scene.base import (
-    Angle,
     Coefficient,
     Duration,
     Length,
@@ -214,6 +213,11 @@ class VesselFrame(Vessel):
         return rows
 
 
+_Number = Annotated[float, Quantity()]
+FoilRow = tuple[_Number, _Number, Coefficient]
+"""Angle of attack [degrees], lift and drag coefficient."""
+
+
 class Foil(SceneModel):
     """A wing of a body: lift along chord x span, drag along the flow, by its angle of attack."""
 
@@ -226,14 +230,14 @@ class Foil(SceneModel):
     aspect_ratio: Annotated[float, Quantity(above=0)] = Field(
         default=6.0, description="of a thin wing: span squared over area"
     )
-    stall: Annotated[float, Quantity("rad", above=0)] = Field(
+    stall: Annotated[float, Quantity("rad", above=0, at_most=math.pi / 2)] = Field(
         default=math.radians(15.0), description="angle of attack at which it stalls"
     )
     drag: Coefficient = Field(default=0.01, description="drag coefficient without lift")
-    deflection: Angle = Field(
+    deflection: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] = Field(
         default=0.0, description="angle by which it is turned about its span, leading edge up"
     )
-    table: tuple[tuple[float, float, float], ...] | None = Field(
+    table: tuple[FoilRow, ...] | None = Field(
         default=None,
         description="instead of a thin wing: rows of angle of attack in degrees, lift and drag "
         "coefficient, from -180 to 180; between them cubics that overshoot nowhere (PCHIP)",
@@ -248,11 +252,19 @@ class Foil(SceneModel):
 
     @model_validator(mode="after")
     def _table_in_order(self) -> Foil:
-        if self.table is not None:
-            angles = [row[0] for row in self.table]
-            if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
-                allowed = "angles that rise from -180 to 180"
-                raise rejection("angles out of order", allowed, angles, ("table",))
+        if self.table is None:
+            return self
+        angles, at = [row[0] for row in self.table], ("table",)
+        allowed = "angles that rise from -180 to 180 degrees"
+        if not angles:
+            raise rejection("it has no rows", f"rows of {allowed}", self.table, at)
+        if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
+            raise rejection("angles out of order", allowed, angles, at)
+        first, last = self.table[0][1:], self.table[-1][1:]
+        if not np.allclose(first, last, rtol=SAME, atol=SAME):
+            problem = "lift and drag at -180 degrees, {:g} and {:g}, are others than at 180, {:g} "
+            problem = (problem + "and {:g}").format(*first, *last)
+            raise rejection(problem, "the same at both: it is one angle", None, at)
         return self
 
     def coefficients(self, angles: FloatArray) -> FloatArray:

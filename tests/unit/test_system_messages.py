@@ -14,6 +14,8 @@ from cablemodel.cli.plausibility import system_start_warnings
 from cablemodel.scene import apply_overrides
 from cablemodel.systems import SystemModel
 
+FIN = "bodies.cage.foils.fin"
+
 
 @pytest.mark.parametrize(
     ("override", "path", "words"),
@@ -63,6 +65,34 @@ from cablemodel.systems import SystemModel
             "bodies.cage",
             "neither submerged_weight nor hull is given",
         ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, .nan, 0.1], [180, 0, 0]]",
+            f"{FIN}.table.1.1",
+            "nan is not a finite number",
+        ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, 0, .inf], [180, 0, 0]]",
+            f"{FIN}.table.1.2",
+            "inf is not a finite number; allowed: a number at least 0",
+        ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, 1, -5], [180, 0, 0]]",
+            f"{FIN}.table.1.2",
+            "-5 is out of range; allowed: a number at least 0",
+        ),
+        (f"{FIN}.table=[]", f"{FIN}.table", "it has no rows; allowed: rows of angles that rise"),
+        (f"{FIN}.table=[[-180, 0, 0]]", f"{FIN}.table", "angles out of order; allowed: angles"),
+        (
+            f"{FIN}.table=[[-180, 0.5, 0], [0, 1, 0.1], [180, -0.7, 3]]",
+            f"{FIN}.table",
+            "at -180 degrees, 0.5 and 0, are others than at 180, -0.7 and 3; allowed: the same",
+        ),
+        (
+            f"{FIN}.deflection=6",
+            f"{FIN}.deflection",
+            "at least -3.14159 and at most 3.14159 in rad",
+        ),
+        (f"{FIN}.stall=200 deg", f"{FIN}.stall", "above 0 and at most 1.5708 in rad"),
     ],
 )
 def test_refused(override: str, path: str, words: str) -> None:
@@ -215,3 +245,9 @@ def test_a_row_that_stands_twice_is_not_one_that_is_missing() -> None:
     scene["vessels"]["ship"]["raos"] = rows
     with pytest.raises(cm.SceneError, match="one row for every period at every heading"):
         cm.load_system(scene)
+
+
+def test_half_turns_and_right_angles_of_foils_are_allowed() -> None:
+    changes = [f"{FIN}.deflection=-180 deg", f"{FIN}.stall=90 deg"]
+    changes.append(f"{FIN}.table=[[-180, 0, 0.1], [0, 1, 0], [180, -1e-9, 0.1]]")
+    cm.load_system(apply_overrides(SCENE, changes))
