@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic.config import JsonDict
+from pydantic_core import PydanticCustomError
 
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene import sea
@@ -35,6 +36,7 @@ from cablemodel.scene.base import (
 from cablemodel.scene.depth_table import monotone_slopes
 from cablemodel.scene.environment import Environment, Floor
 from cablemodel.scene.line import Cable, CableType, Connection, LineItem
+from cablemodel.scene.problems import suggestion
 from cablemodel.scene.rows import Rows
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import ATTITUDES, attitudes_from_file, rows_from_file
@@ -520,6 +522,19 @@ class SystemLine(SceneModel):
         return 0.0 if place == "start" else self.length
 
 
+def _end_or_arc(value: Any) -> Any:
+    """Of what is neither, one problem is told instead of one for each."""
+    if isinstance(value, str) and value in ("start", "end"):
+        return value
+    try:
+        return Quantity("m", above=0)(value)
+    except PydanticCustomError as error:
+        told = error.context or {}
+        allowed = f"start, end, or {told['allowed']}"
+        problem = told["problem"] + suggestion(value, ["start", "end"])
+        raise rejection(problem, allowed, value) from None
+
+
 class Cut(SceneModel):
     """A place where a line is cut, let go or breaks; what is cut off goes on by itself.
 
@@ -527,9 +542,11 @@ class Cut(SceneModel):
     """
 
     line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
-    at: Annotated[Literal["start", "end"] | Length, Field(union_mode="left_to_right")] = Field(
-        description="arc length from its beginning, or start or end: there it is let go"
-    )
+    at: Annotated[
+        Literal["start", "end"] | Length,
+        Field(union_mode="left_to_right"),
+        BeforeValidator(_end_or_arc),
+    ] = Field(description="arc length from its beginning, or start or end: there it is let go")
     time: Duration | None = Field(default=None, description="when")
     tension: Annotated[float, Quantity("N", above=0)] | None = Field(
         default=None, description="above which it breaks there"
@@ -759,6 +776,7 @@ class SystemScene(Document):
                     allowed = "letters, digits and _, a letter first: it stands in topics"
                     yield SceneProblem(f"{kind}.{name}", name, problem, allowed)
                 named.setdefault(name, kind)
+        yield from self._names_of_parts()
         used: set[str] = set()
         for name, line in self.lines.items():
             path = f"lines.{name}"
@@ -787,6 +805,21 @@ class SystemScene(Document):
         yield from self._floor_problems()
         yield from self._cut_problems()
         yield from self._winch_problems()
+
+    def _names_of_parts(self) -> Iterator[SceneProblem]:
+        """Names of points and foils that are none."""
+        groups: list[tuple[str, Iterable[str]]] = [
+            (f"{kind}.{name}.points", part.points)
+            for kind, parts in (("vessels", self.vessels), ("bodies", self.bodies))
+            for name, part in parts.items()
+        ]
+        groups += [(f"bodies.{name}.foils", body.foils) for name, body in self.bodies.items()]
+        for path, names in groups:
+            for name in names:
+                if not _NAME.fullmatch(name):
+                    problem = f"{shown(name)} is no name"
+                    allowed = "letters, digits and _, a letter first"
+                    yield SceneProblem(f"{path}.{name}", name, problem, allowed)
 
     def _item_problems(self, path: str, items: Sequence[LineItem]) -> Iterator[SceneProblem]:
         """Of what is in a line or on a drum."""
@@ -904,5 +937,8 @@ class SystemScene(Document):
                 known = ", ".join(key for key in self.lines if key != name)
                 yield SceneProblem(f"{path}.line", end.line, problem, known)
             elif end.at is not None and not 0.0 < end.at < other.length:
-                problem = "a branch beyond the line"
-                yield SceneProblem(f"{path}.at", end.at, problem, f"0 to {other.length:g} m")
+                problem = (
+                    f"a branch at {end.at:g} m of {end.line}, which is {other.length:g} m long"
+                )
+                allowed = f"between 0 and {other.length:g} m, not at its ends"
+                yield SceneProblem(f"{path}.at", end.at, problem, allowed)
