@@ -268,3 +268,32 @@ def test_points_and_foils_have_names_as_all_have(place: str, name: str) -> None:
     (problem,) = caught.value.problems
     allowed = "letters, digits and _, a letter first"
     assert str(problem) == f"{place}.{name}: '{name}' is no name; allowed: {allowed}"
+
+
+@pytest.mark.parametrize(
+    ("apart", "height", "told"),
+    [(0.2, None, "2.8"), (3.2, None, ""), (2.5, 1.0, "0.5"), (2.5, 6.0, "0.5"), (3.2, 1.0, "")],
+)
+def test_check_tells_of_hulls_within_each_other(
+    apart: float, height: float | None, told: str
+) -> None:
+    hull = {"diameter": 3.0} if height is None else {"diameter": 3.0, "height": height}
+    float_ = {"mass": 3000.0, "hull": hull, "inertia": 3000.0, "centre_of_gravity": [0, 0, -0.3]}
+    float_["points"] = {"eye": [0, 0, -0.5 * (height or 3.0)]}
+    wire = {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}
+    scene: dict[str, Any] = {
+        "environment": {"waves": {"regular": {"height": 0.5, "period": 6}}},
+        "cable_types": {"wire": wire},
+        "bodies": {"one": float_, "two": float_},
+        "lines": {
+            f"to_{name}": {
+                "from": {"anchor": [0, y, -50]},
+                "to": f"{name}.eye",
+                "items": [{"cable": {"type": "wire", "length": 44}}],
+            }
+            for name, y in (("one", 0), ("two", apart))
+        },
+    }
+    words = [text for text in system_start_warnings(SystemModel(scene)) if "hull" in text]
+    assert len(words) == bool(told)
+    assert not told or words[0].startswith(f"bodies.one.hull is {told} m within that of two")
