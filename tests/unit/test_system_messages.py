@@ -88,6 +88,19 @@ FIN = "bodies.cage.foils.fin"
             "at -180 degrees, 0.5 and 0, are others than at 180, -0.7 and 3; allowed: the same",
         ),
         (
+            "cuts.weak_link.at=middle",
+            "cuts.weak_link.at",
+            "'middle' is not a number with a unit; allowed: start, end, or a number above 0 in m",
+        ),
+        ("cuts.weak_link.at=strat", "cuts.weak_link.at", "did you mean start?; allowed: start"),
+        ("cuts.weak_link.at=0", "cuts.weak_link.at", "0 is out of range; allowed: start, end, or"),
+        ("cuts.weak_link.at=[1]", "cuts.weak_link.at", "[1] is not a number; allowed: start, end"),
+        (
+            "lines.tether.from={line: umbilical, at: 40}",
+            "lines.tether.from.at",
+            "umbilical, which is 40 m long; allowed: between 0 and 40 m, not at its ends",
+        ),
+        (
             f"{FIN}.deflection=6",
             f"{FIN}.deflection",
             "at least -3.14159 and at most 3.14159 in rad",
