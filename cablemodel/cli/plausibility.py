@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from cablemodel.model import CableModel, CableState
     from cablemodel.scene import Scene
     from cablemodel.scene.common import CableScene
     from cablemodel.scene.line import CableType, LineItem
     from cablemodel.scene.vessel import RatePoint, Vessel
     from cablemodel.systems import SystemModel, SystemScene
+    from cablemodel.systems.scene import Hull
 
 Angles = list[tuple[str, "float | None"]]
 """Where they stand in a scene [rad]."""
@@ -49,6 +52,10 @@ _HEAVE = 2
 """Turns from up to down and back that make a motion one of heave."""
 _NO_FORCE = 1e-6
 """Forces [N] that rounding makes of none."""
+_OVERLAP = 0.01
+"""Part of a hull's radius by which it may be within another without a word."""
+_BALLS = 33
+"""Along a hull, or around it, that stand for it."""
 _EMPTY = 1e-6
 """Part of a pay-out that the drum may lack: rounding."""
 
@@ -518,7 +525,39 @@ def system_start_warnings(model: SystemModel) -> list[str]:
             found += _stretched_at_start(scene, kind, line.tension_range[1], name)
     name = max(highest, key=lambda line: highest[line])
     found += _in_water_above(scene, f"lines.{name}", float(highest[name]))
-    return found + _parted_at_start(model) + _held_too_softly(model)
+    return found + _parted_at_start(model) + _held_too_softly(model) + _hulls_overlap(model)
+
+
+def _hulls_overlap(model: SystemModel) -> list[str]:
+    """Of hulls that are within each other at the start: bodies do not touch."""
+    found = []
+    balls = []
+    motions = model.bodies
+    for name, body in model.scene.bodies.items():
+        if body.hull is not None:
+            motion = motions[name]
+            places, radius = _balls_in(body.hull)
+            balls.append((name, motion.position + places @ motion.axes.T, radius))
+    for (name, ours, radius), (other, theirs, reach) in combinations(balls, 2):
+        gap = np.linalg.norm(ours[:, None] - theirs[None], axis=2).min() - radius - reach
+        if gap < -_OVERLAP * min(radius, reach):
+            found.append(
+                f"bodies.{name}.hull is {-gap:.3g} m within that of {other} at the start, and "
+                "bodies do not push each other apart: place them by position, or by their lines"
+            )
+    return found
+
+
+def _balls_in(hull: Hull) -> tuple[NDArray[np.float64], float]:
+    """Middles (n, 3) in the body's axes, and the radius, of balls that fill a hull [m]: what they
+    have in common with others the hull has, too."""
+    height = hull.diameter if hull.height is None else hull.height
+    radius = 0.5 * min(hull.diameter, height)
+    rim, end = 0.5 * hull.diameter - radius, 0.5 * height - radius
+    turns = np.linspace(0.0, 2.0 * math.pi, _BALLS)
+    flat = [(r * math.cos(a), r * math.sin(a), 0.0) for r in (0.0, 0.5 * rim, rim) for a in turns]
+    long = [(0.0, 0.0, z) for z in np.linspace(-end, end, _BALLS)]
+    return np.array(hull.centre) + np.array(flat if rim > 0.0 else long), radius
 
 
 def _parted_at_start(model: SystemModel) -> list[str]:

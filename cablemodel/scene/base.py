@@ -94,6 +94,12 @@ _CLOSEST = 1e-9
 Table = TypeVar("Table", bound=Sequence[Any] | None)
 
 
+def rising(key: str) -> str:
+    """What is allowed of a table's first column, in words."""
+    jump = "; what jumps takes a time, as short as 1e-6 s" if key == "t" else ""
+    return f"{key} rising from row to row{jump}"
+
+
 def in_order_of(key: str) -> Callable[[Table], Table]:
     """A validator for tables: at least one row, and ``key`` rises strictly from row to row. None,
     where a field allows it, is no table."""
@@ -113,7 +119,7 @@ def in_order_of(key: str) -> Callable[[Table], Table]:
             before, here = float(values[index - 1]), float(values[index])
             word = "out of order:" if here < before else "twice the same"
             problem = f"{word} {key} ({here:g} after {before:g})"
-            raise rejection(problem, f"{key} rising from row to row", here, (index, key))
+            raise rejection(problem, rising(key), here, (index, key))
         return rows
 
     return validate

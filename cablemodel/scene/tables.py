@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import shown
+from cablemodel.scene.base import rising
+from cablemodel.scene.problems import suggestion
 from cablemodel.scene.units import rejection
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ _FAR_END = "/end_odom"
 """How the topic of the far end's motion ends, in the logs of this project."""
 _TOW_POINT = "/applied_odom"
 """And that of the tow point's."""
+_OTHER_UNITS = ("deg", "degree", "degrees", "kn", "kt", "knot", "knots", "kmh", "km/h")
+"""What a column's name may end with that is in another unit than the one that is read."""
 
 
 def velocity_from_file(
@@ -64,24 +68,25 @@ def _motion_from_file(
     if topic is not None:
         allowed = "no topic with a CSV file"
         raise rejection("only an MCAP file has topics", allowed, topic, (*at[:-1], "topic"))
-    columns = _columns_from_csv(path, ("t", *kind.columns), (), at)
+    columns = _columns_from_csv(path, ("t", *kind.columns), (), at, is_log=True)
     times = columns["t"]
     early = np.flatnonzero(np.diff(times) <= 0.0)
     if len(early):
         row = int(early[0]) + 1
         word = "twice the same t" if times[row] == times[row - 1] else "out of order: t"
         problem = f"row {row + 1} of {path.name}: {word} ({times[row]:g} after {times[row - 1]:g})"
-        raise rejection(problem, "t rising from row to row", path.name, at)
+        raise rejection(problem, rising("t"), path.name, at)
     return times, np.stack([columns[name] for name in kind.columns], axis=1)
 
 
 def table_from_file(
     name: str, context: Any, columns: Sequence[str], optional: Sequence[str] = ()
 ) -> dict[str, FloatArray]:
-    """Columns (n,) of a CSV file with a header, SI, by name; other columns are left out.
+    """Columns (n,) of a CSV file with a header, SI, by name.
 
     Raises:
-        PydanticCustomError: no such file, a missing column, or a cell that is not a number.
+        PydanticCustomError: no such file, a missing or unknown column, or a cell that is not a
+            number.
     """
     return _columns_from_csv(_found(name, context, ()), columns, optional, ())
 
@@ -108,8 +113,14 @@ def _found(name: str, context: Any, at: tuple[str, ...]) -> Path:
 
 
 def _columns_from_csv(
-    path: Path, columns: Sequence[str], optional: Sequence[str], at: tuple[str, ...]
+    path: Path,
+    columns: Sequence[str],
+    optional: Sequence[str],
+    at: tuple[str, ...],
+    *,
+    is_log: bool = False,
 ) -> dict[str, FloatArray]:
+    """By name. Of a log, which may hold more, only columns are refused that are like known ones."""
     allowed = f"a CSV file with commas, a first line {','.join(columns)}"
     allowed += f" (and {','.join(optional)})" if optional else ""
     allowed += " and below it numbers in SI"
@@ -122,7 +133,9 @@ def _columns_from_csv(
                     problem = f"{path.name} has no column {column}, its first line is"
                     problem += f" {shown(','.join(header))}"
                     raise rejection(problem, allowed, path.name, at)
-            names = [column for column in (*columns, *optional) if column in header]
+            known = (*columns, *optional)
+            _refuse_columns(path.name, header, known, _like_known if is_log else _unknown, at)
+            names = [column for column in known if column in header]
             places = [header.index(column) for column in names]
             first = reader.line_num  # the lines before it are the header's
         table = _numbers(path, first, places)
@@ -133,6 +146,41 @@ def _columns_from_csv(
     if len(table) == 0:
         raise rejection(f"{path.name} has no rows", allowed, path.name, at)
     return dict(zip(names, np.ascontiguousarray(table.T), strict=True))
+
+
+def _refuse_columns(
+    name: str,
+    header: Sequence[str],
+    known: tuple[str, ...],
+    word_about: Callable[[str, tuple[str, ...]], str],
+    at: tuple[str, ...],
+) -> None:
+    """Reject columns that would be read twice, or not at all; one without a name holds nothing."""
+    told = [f"column {column} twice" for column in known if header.count(column) > 1]
+    others = dict.fromkeys(column for column in header if column and column not in known)
+    told += filter(None, (word_about(column, known) for column in others))
+    if told:
+        raise rejection(f"{name}: {'; '.join(told)}", f"the columns {', '.join(known)}", name, at)
+
+
+def _unknown(column: str, known: tuple[str, ...]) -> str:
+    """About a column that none of the known ones is."""
+    near = suggestion(column, list(known))
+    if not near:  # the same word, with or without its unit
+        word = column.lower()
+        longer = sorted((other for other in known if other.startswith(f"{word}_")), key=len)
+        shorter = [other for other in known if word.startswith(f"{other}_")]
+        like = longer[:1] or sorted(shorter, key=len)[-1:]
+        near = f", did you mean {like[0]}?" if like else ""
+    return f"unknown column {shown(column)}{near}"
+
+
+def _like_known(column: str, known: tuple[str, ...]) -> str:
+    """The same, where it may be meant for a known one; else nothing."""
+    stem, _, unit = column.lower().replace("[", "_").rstrip("] )").replace("(", "_").rpartition("_")
+    words = [other for other in known if len(other) > 1]  # T is a temperature beside t
+    other_unit = unit.strip() in _OTHER_UNITS and stem.strip(" _") in words
+    return _unknown(column, known) if other_unit or suggestion(column, words) else ""
 
 
 def _is_filled(line: list[str]) -> bool:

@@ -233,6 +233,7 @@ class Equilibria:
             if status != at.OK:
                 line, arc = built.where(min(block.failed_node, built.nodes - 1))
                 advice = without_shape(self.scene) + held_by_nothing(self.scene)
+                advice += branches_in_a_circle(self.scene)
                 raise StaticsError(
                     f"no static equilibrium of the system was found; what moved last is {line!r} "
                     f"at {arc:g} m. Check weights, lengths and attachments{advice}"
@@ -282,6 +283,26 @@ def held_by_nothing(scene: SystemScene) -> str:
     if not found:
         return ""
     return f"; nothing holds {' and '.join(found)}: no vessel and no anchor is tied to them"
+
+
+def branches_in_a_circle(scene: SystemScene) -> str:
+    """Advice about lines each of which begins or ends on the next, and the last on the first."""
+    on = {
+        name: list(dict.fromkeys(end.line for end in line.ends if end.line is not None))
+        for name, line in scene.lines.items()
+    }
+    for first in on:
+        ways, seen = [[first]], {first}
+        while ways:
+            way = ways.pop(0)
+            for other in on[way[-1]]:
+                if other == first:
+                    told = " on ".join([*way, other])
+                    return f"; branches go in a circle, {told}: let one begin or end elsewhere"
+                if other not in seen:
+                    seen.add(other)
+                    ways.append([*way, other])
+    return ""
 
 
 def without_shape(scene: SystemScene) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -18,11 +18,11 @@ from pydantic import (
     model_validator,
 )
 from pydantic.config import JsonDict
+from pydantic_core import PydanticCustomError
 
 from cablemodel.errors import SceneProblem, shown
 from cablemodel.scene import sea
 from cablemodel.scene.base import (
-    Angle,
     Coefficient,
     Duration,
     Length,
@@ -36,6 +36,7 @@ from cablemodel.scene.base import (
 from cablemodel.scene.depth_table import monotone_slopes
 from cablemodel.scene.environment import Environment, Floor
 from cablemodel.scene.line import Cable, CableType, Connection, LineItem
+from cablemodel.scene.problems import suggestion
 from cablemodel.scene.rows import Rows
 from cablemodel.scene.schema import Document, RunSettings, Solver
 from cablemodel.scene.tables import ATTITUDES, attitudes_from_file, rows_from_file
@@ -57,6 +58,8 @@ STALL_BEGINS, STALL_LASTS = 0.75, 0.5
 """Of the stall angle: where the flow begins to part, and within what it has."""
 WING_ROWS = 361
 """Of a thin wing's table: one a degree."""
+SAME = 1e-6
+"""By what rounding may make responses or coefficients differ that are the same."""
 INERTIA_ROUNDED = 1e-9
 """Of a moment of inertia: by what rounding may make it larger than the sum of the others."""
 
@@ -84,6 +87,14 @@ class RaoPoint(SceneModel):
     pitch_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
     yaw_deg: Coefficient = Field(default=0.0, description="degrees per metre")
     yaw_phase_deg: Annotated[float, Quantity()] = Field(default=0.0, description="its phase")
+
+    @property
+    def response(self) -> NDArray[np.complex128]:
+        """Surge, sway, heave [m/m], roll, pitch and yaw [rad/m] with their phases (6,)."""
+        names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
+        phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
+        sizes = np.array([getattr(self, name) for name in names]) * [1, 1, 1, *(math.pi / 180,) * 3]
+        return sizes * np.exp(1j * np.radians([getattr(self, phase) for phase in phases]))
 
 
 class AttitudePoint(SceneModel):
@@ -181,11 +192,32 @@ class VesselFrame(Vessel):
     def _full_grid(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
         headings = sorted({row.heading_deg for row in rows})
         periods = sorted({row.period for row in rows})
-        if len(rows) != len(headings) * len(periods):
+        pairs = {(row.heading_deg, row.period) for row in rows}
+        if not len(pairs) == len(rows) == len(headings) * len(periods):
             allowed = "one row for every period at every heading"
             problem = f"{len(rows)} rows of {len(headings)} headings and {len(periods)} periods"
             raise rejection(problem, allowed, len(rows))
         return rows
+
+    @field_validator("raos")
+    @classmethod
+    def _one_answer(cls, rows: tuple[RaoPoint, ...]) -> tuple[RaoPoint, ...]:
+        """Headings that a turn lies between are the same one."""
+        first: dict[tuple[float, float], int] = {}
+        for index, row in enumerate(rows):
+            heading = round(row.heading_deg % 360.0, 9) % 360.0
+            before = first.setdefault((heading, row.period), index)
+            if not np.allclose(rows[before].response, row.response, rtol=SAME, atol=SAME):
+                problem = f"rows {before} and {index} differ, of period {row.period:g} s and "
+                problem += f"headings {rows[before].heading_deg:g} and {row.heading_deg:g} degrees,"
+                problem += " which are the same"
+                raise rejection(problem, "one of these rows, or equal ones", None, (index,))
+        return rows
+
+
+_Number = Annotated[float, Quantity()]
+FoilRow = tuple[_Number, _Number, Coefficient]
+"""Angle of attack [degrees], lift and drag coefficient."""
 
 
 class Foil(SceneModel):
@@ -200,14 +232,14 @@ class Foil(SceneModel):
     aspect_ratio: Annotated[float, Quantity(above=0)] = Field(
         default=6.0, description="of a thin wing: span squared over area"
     )
-    stall: Annotated[float, Quantity("rad", above=0)] = Field(
+    stall: Annotated[float, Quantity("rad", above=0, at_most=math.pi / 2)] = Field(
         default=math.radians(15.0), description="angle of attack at which it stalls"
     )
     drag: Coefficient = Field(default=0.01, description="drag coefficient without lift")
-    deflection: Angle = Field(
+    deflection: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] = Field(
         default=0.0, description="angle by which it is turned about its span, leading edge up"
     )
-    table: tuple[tuple[float, float, float], ...] | None = Field(
+    table: tuple[FoilRow, ...] | None = Field(
         default=None,
         description="instead of a thin wing: rows of angle of attack in degrees, lift and drag "
         "coefficient, from -180 to 180; between them cubics that overshoot nowhere (PCHIP)",
@@ -222,11 +254,19 @@ class Foil(SceneModel):
 
     @model_validator(mode="after")
     def _table_in_order(self) -> Foil:
-        if self.table is not None:
-            angles = [row[0] for row in self.table]
-            if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
-                allowed = "angles that rise from -180 to 180"
-                raise rejection("angles out of order", allowed, angles, ("table",))
+        if self.table is None:
+            return self
+        angles, at = [row[0] for row in self.table], ("table",)
+        allowed = "angles that rise from -180 to 180 degrees"
+        if not angles:
+            raise rejection("it has no rows", f"rows of {allowed}", self.table, at)
+        if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
+            raise rejection("angles out of order", allowed, angles, at)
+        first, last = self.table[0][1:], self.table[-1][1:]
+        if not np.allclose(first, last, rtol=SAME, atol=SAME):
+            problem = "lift and drag at -180 degrees, {:g} and {:g}, are others than at 180, {:g} "
+            problem = (problem + "and {:g}").format(*first, *last)
+            raise rejection(problem, "the same at both: it is one angle", None, at)
         return self
 
     def coefficients(self, angles: FloatArray) -> FloatArray:
@@ -482,6 +522,19 @@ class SystemLine(SceneModel):
         return 0.0 if place == "start" else self.length
 
 
+def _end_or_arc(value: Any) -> Any:
+    """Of what is neither, one problem is told instead of one for each."""
+    if isinstance(value, str) and value in ("start", "end"):
+        return value
+    try:
+        return Quantity("m", above=0)(value)
+    except PydanticCustomError as error:
+        told = error.context or {}
+        allowed = f"start, end, or {told['allowed']}"
+        problem = told["problem"] + suggestion(value, ["start", "end"])
+        raise rejection(problem, allowed, value) from None
+
+
 class Cut(SceneModel):
     """A place where a line is cut, let go or breaks; what is cut off goes on by itself.
 
@@ -489,9 +542,11 @@ class Cut(SceneModel):
     """
 
     line: Annotated[str, Field(strict=True)] = Field(description="name of the line")
-    at: Annotated[Literal["start", "end"] | Length, Field(union_mode="left_to_right")] = Field(
-        description="arc length from its beginning, or start or end: there it is let go"
-    )
+    at: Annotated[
+        Literal["start", "end"] | Length,
+        Field(union_mode="left_to_right"),
+        BeforeValidator(_end_or_arc),
+    ] = Field(description="arc length from its beginning, or start or end: there it is let go")
     time: Duration | None = Field(default=None, description="when")
     tension: Annotated[float, Quantity("N", above=0)] | None = Field(
         default=None, description="above which it breaks there"
@@ -721,6 +776,7 @@ class SystemScene(Document):
                     allowed = "letters, digits and _, a letter first: it stands in topics"
                     yield SceneProblem(f"{kind}.{name}", name, problem, allowed)
                 named.setdefault(name, kind)
+        yield from self._names_of_parts()
         used: set[str] = set()
         for name, line in self.lines.items():
             path = f"lines.{name}"
@@ -749,6 +805,21 @@ class SystemScene(Document):
         yield from self._floor_problems()
         yield from self._cut_problems()
         yield from self._winch_problems()
+
+    def _names_of_parts(self) -> Iterator[SceneProblem]:
+        """Names of points and foils that are none."""
+        groups: list[tuple[str, Iterable[str]]] = [
+            (f"{kind}.{name}.points", part.points)
+            for kind, parts in (("vessels", self.vessels), ("bodies", self.bodies))
+            for name, part in parts.items()
+        ]
+        groups += [(f"bodies.{name}.foils", body.foils) for name, body in self.bodies.items()]
+        for path, names in groups:
+            for name in names:
+                if not _NAME.fullmatch(name):
+                    problem = f"{shown(name)} is no name"
+                    allowed = "letters, digits and _, a letter first"
+                    yield SceneProblem(f"{path}.{name}", name, problem, allowed)
 
     def _item_problems(self, path: str, items: Sequence[LineItem]) -> Iterator[SceneProblem]:
         """Of what is in a line or on a drum."""
@@ -866,5 +937,8 @@ class SystemScene(Document):
                 known = ", ".join(key for key in self.lines if key != name)
                 yield SceneProblem(f"{path}.line", end.line, problem, known)
             elif end.at is not None and not 0.0 < end.at < other.length:
-                problem = "a branch beyond the line"
-                yield SceneProblem(f"{path}.at", end.at, problem, f"0 to {other.length:g} m")
+                problem = (
+                    f"a branch at {end.at:g} m of {end.line}, which is {other.length:g} m long"
+                )
+                allowed = f"between 0 and {other.length:g} m, not at its ends"
+                yield SceneProblem(f"{path}.at", end.at, problem, allowed)

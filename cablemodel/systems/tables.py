@@ -353,8 +353,6 @@ def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
 
     Linear between the frequencies of the rows, and as at the last ones beyond.
     """
-    names = ("surge", "sway", "heave", "roll_deg", "pitch_deg", "yaw_deg")
-    phases = [name.removesuffix("_deg") + "_phase_deg" for name in names]
     headings = headings_of(rows)
     given = np.array(sorted({2.0 * math.pi / row.period for row in rows}))
     one_sided = is_one_sided(rows)
@@ -363,10 +361,8 @@ def responses(rows: tuple[RaoPoint, ...], frequency: FloatArray) -> FloatArray:
     mirrored = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     for row in rows:
         w = int(np.argmin(np.abs(given - 2.0 * math.pi / row.period)))
-        sizes = np.array([getattr(row, name) for name in names]) * [1, 1, 1, *(math.pi / 180,) * 3]
-        turned = np.radians([getattr(row, phase) for phase in phases])
         heading = row.heading_deg % 360.0
-        found[headings.index(heading), w] = response = sizes * np.exp(1j * turned)
+        found[headings.index(heading), w] = response = row.response
         if one_sided and heading not in (0.0, 180.0):
             found[headings.index(360.0 - heading), w] = mirrored * response
     out = np.zeros((len(headings), len(frequency), at.RAO_WORDS))

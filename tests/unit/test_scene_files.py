@@ -292,3 +292,53 @@ def test_the_vessels_own_motion_is_preferred_to_the_far_ends(tmp_path: Path) -> 
             assert scene_with(tmp_path, file="run.mcap", topic=topic).notes == ()
     write_log(tmp_path / "run.mcap", end | own | {"/nav": own["/odom"]})
     assert "has 3 topics with velocities" in str(refusal(tmp_path, file="run.mcap"))
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ("amplitude,period,phase_deg", "unknown column 'phase_deg', did you mean phase?"),
+        ("amplitude,period,Phase", "unknown column 'Phase', did you mean phase?"),
+        ("amplitude,period,note", "unknown column 'note'; allowed: the columns amplitude, period"),
+        ("amplitude,period,amplitude", "column amplitude twice"),
+    ],
+)
+def test_a_column_of_a_sea_that_would_be_dropped_is_refused(
+    tmp_path: Path, header: str, words: str
+) -> None:
+    (tmp_path / "sea.csv").write_text(f"{header}\n1,8,90\n")
+    data = minimal() | {"environment": {"waves": {"components": {"rows": "sea.csv"}}}}
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_scene(data, folder=tmp_path)
+    assert caught.value.path == "environment.waves.components.rows"
+    assert f"sea.csv: {words}" in str(caught.value)
+
+
+def test_a_column_of_a_floor_that_would_be_dropped_is_refused(tmp_path: Path) -> None:
+    """With Y for y, a grid was a profile, the same everywhere along y."""
+    (tmp_path / "floor.csv").write_text("x,Y,z\n0,0,-10\n10,0,-20\n")
+    data = minimal() | {"environment": {"floor": {"depth_table": "floor.csv"}}}
+    with pytest.raises(cm.SceneError, match="unknown column 'Y', did you mean y"):
+        cm.load_scene(data, folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ("v_x", "unknown column 'v_x', did you mean vx?"),
+        ("vx_kn", "unknown column 'vx_kn', did you mean vx?"),
+        ("vx", "column vx twice"),
+        ("vx_raw", ""),
+        ("wx", ""),
+        ("T", ""),
+        ("", ""),
+    ],
+)
+def test_a_log_may_have_more_columns_but_none_like_a_known_one(
+    tmp_path: Path, column: str, words: str
+) -> None:
+    (tmp_path / "log.csv").write_text(f"t,vx,vy,vz,{column}\n0,1,2,3,9\n")
+    if words:
+        assert words in str(refusal(tmp_path, file="log.csv"))
+    else:
+        assert rows(scene_with(tmp_path, file="log.csv")) == [(0, (1, 2, 3))]

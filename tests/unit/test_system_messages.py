@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +13,8 @@ import cablemodel as cm
 from cablemodel.cli.plausibility import system_start_warnings
 from cablemodel.scene import apply_overrides
 from cablemodel.systems import SystemModel
+
+FIN = "bodies.cage.foils.fin"
 
 
 @pytest.mark.parametrize(
@@ -62,6 +65,47 @@ from cablemodel.systems import SystemModel
             "bodies.cage",
             "neither submerged_weight nor hull is given",
         ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, .nan, 0.1], [180, 0, 0]]",
+            f"{FIN}.table.1.1",
+            "nan is not a finite number",
+        ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, 0, .inf], [180, 0, 0]]",
+            f"{FIN}.table.1.2",
+            "inf is not a finite number; allowed: a number at least 0",
+        ),
+        (
+            f"{FIN}.table=[[-180, 0, 0], [0, 1, -5], [180, 0, 0]]",
+            f"{FIN}.table.1.2",
+            "-5 is out of range; allowed: a number at least 0",
+        ),
+        (f"{FIN}.table=[]", f"{FIN}.table", "it has no rows; allowed: rows of angles that rise"),
+        (f"{FIN}.table=[[-180, 0, 0]]", f"{FIN}.table", "angles out of order; allowed: angles"),
+        (
+            f"{FIN}.table=[[-180, 0.5, 0], [0, 1, 0.1], [180, -0.7, 3]]",
+            f"{FIN}.table",
+            "at -180 degrees, 0.5 and 0, are others than at 180, -0.7 and 3; allowed: the same",
+        ),
+        (
+            "cuts.weak_link.at=middle",
+            "cuts.weak_link.at",
+            "'middle' is not a number with a unit; allowed: start, end, or a number above 0 in m",
+        ),
+        ("cuts.weak_link.at=strat", "cuts.weak_link.at", "did you mean start?; allowed: start"),
+        ("cuts.weak_link.at=0", "cuts.weak_link.at", "0 is out of range; allowed: start, end, or"),
+        ("cuts.weak_link.at=[1]", "cuts.weak_link.at", "[1] is not a number; allowed: start, end"),
+        (
+            "lines.tether.from={line: umbilical, at: 40}",
+            "lines.tether.from.at",
+            "umbilical, which is 40 m long; allowed: between 0 and 40 m, not at its ends",
+        ),
+        (
+            f"{FIN}.deflection=6",
+            f"{FIN}.deflection",
+            "at least -3.14159 and at most 3.14159 in rad",
+        ),
+        (f"{FIN}.stall=200 deg", f"{FIN}.stall", "above 0 and at most 1.5708 in rad"),
     ],
 )
 def test_refused(override: str, path: str, words: str) -> None:
@@ -69,6 +113,7 @@ def test_refused(override: str, path: str, words: str) -> None:
         cm.load_system(apply_overrides(SCENE, [override]))
     found = {problem.path: str(problem) for problem in caught.value.problems}
     assert words in found[path]
+    assert len(found) == 1 or not path.startswith("cuts")
 
 
 @pytest.mark.parametrize("end", ["cage", "cage.bottom"])
@@ -131,8 +176,9 @@ def test_lines_that_nothing_holds_are_named() -> None:
     cable = [{"cable": {"type": "wire", "length": 10}}]
     for name, other in (("one", "two"), ("two", "one")):
         scene["lines"][name] = {"from": {"line": other, "at": 5}, "to": "free", "items": cable}
-    with pytest.raises(cm.StaticsError, match="nothing holds one and two"):
+    with pytest.raises(cm.StaticsError, match="nothing holds one and two") as caught:
         SystemModel(scene)
+    assert "; branches go in a circle, one on two on one: let one begin" in str(caught.value)
 
 
 def test_check_tells_of_a_link_that_is_too_weak_for_its_start() -> None:
@@ -166,3 +212,101 @@ def test_recorders_name_each_other() -> None:
     line = cm.CableModel({"cable_types": types, "line": [{"cable": {"type": "wire", "length": 9}}]})
     with pytest.raises(TypeError, match=r"<CableModel of 'untitled' .* is recorded by a Recorder"):
         cm.SystemRecorder(line)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "words"),
+    [
+        ("raos", "heading_deg,period,heave_phase", "'heave_phase', did you mean heave_phase_deg?"),
+        ("raos", "heading_deg,period,pitch", "unknown column 'pitch', did you mean pitch_deg?"),
+        ("raos", "heading_deg,period,haeve", "unknown column 'haeve', did you mean heave?"),
+        ("raos", "heading_deg,period,gain", "unknown column 'gain'; allowed: the columns heading"),
+        ("attitude", "t,roll,pitch,yaw,yaw_deg", "unknown column 'yaw_deg', did you mean yaw?"),
+    ],
+)
+def test_a_column_that_would_be_dropped_is_refused(
+    tmp_path: Path, key: str, text: str, words: str
+) -> None:
+    (tmp_path / "ship.csv").write_text(f"{text}\n0,5,1,0,0\n")
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    name = str(tmp_path / "ship.csv")
+    scene["vessels"]["ship"][key] = name if key == "raos" else {"file": name}
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(scene)
+    assert caught.value.path.startswith(f"vessels.ship.{key}")
+    assert "ship.csv: unknown column" in str(caught.value)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("headings", [(0, 360), (-90, 270), (180, -180)])
+def test_headings_that_a_turn_lies_between_have_one_answer(headings: tuple[int, int]) -> None:
+    """The one that stood last in the file was taken."""
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    rows = [{"heading_deg": heading, "period": 5, "heave": 0.5} for heading in headings]
+    scene["vessels"]["ship"]["raos"] = rows
+    rows[1]["heave_phase_deg"] = 360
+    cm.load_system(scene)
+    rows[1]["heave_phase_deg"] = 90
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(scene)
+    assert caught.value.path == "vessels.ship.raos.1"
+    words = f"rows 0 and 1 differ, of period 5 s and headings {headings[0]} and {headings[1]} deg"
+    assert words in str(caught.value)
+
+
+def test_a_row_that_stands_twice_is_not_one_that_is_missing() -> None:
+    scene = apply_overrides(SCENE, ["environment.waves={regular: {height: 1, period: 8}}"])
+    rows = [{"heading_deg": heading, "period": 5 + heading} for heading in (0, 0, 1, 1)]
+    scene["vessels"]["ship"]["raos"] = rows
+    with pytest.raises(cm.SceneError, match="one row for every period at every heading"):
+        cm.load_system(scene)
+
+
+def test_half_turns_and_right_angles_of_foils_are_allowed() -> None:
+    changes = [f"{FIN}.deflection=-180 deg", f"{FIN}.stall=90 deg"]
+    changes.append(f"{FIN}.table=[[-180, 0, 0.1], [0, 1, 0], [180, -1e-9, 0.1]]")
+    cm.load_system(apply_overrides(SCENE, changes))
+
+
+@pytest.mark.parametrize("name", ["a b", "", "a.b", "a/b", "1"])
+@pytest.mark.parametrize(
+    "place", ["vessels.ship.points", "bodies.cage.points", "bodies.cage.foils"]
+)
+def test_points_and_foils_have_names_as_all_have(place: str, name: str) -> None:
+    scene = copy.deepcopy(SCENE)
+    kind, owner, parts = place.split(".")
+    scene[kind][owner][parts][name] = {"area": 1} if parts == "foils" else [0, 0, 1]
+    with pytest.raises(cm.SceneError) as caught:
+        cm.load_system(scene)
+    (problem,) = caught.value.problems
+    allowed = "letters, digits and _, a letter first"
+    assert str(problem) == f"{place}.{name}: '{name}' is no name; allowed: {allowed}"
+
+
+@pytest.mark.parametrize(
+    ("apart", "height", "told"),
+    [(0.2, None, "2.8"), (3.2, None, ""), (2.5, 1.0, "0.5"), (2.5, 6.0, "0.5"), (3.2, 1.0, "")],
+)
+def test_check_tells_of_hulls_within_each_other(
+    apart: float, height: float | None, told: str
+) -> None:
+    hull = {"diameter": 3.0} if height is None else {"diameter": 3.0, "height": height}
+    float_ = {"mass": 3000.0, "hull": hull, "inertia": 3000.0, "centre_of_gravity": [0, 0, -0.3]}
+    float_["points"] = {"eye": [0, 0, -0.5 * (height or 3.0)]}
+    wire = {"diameter": 0.02, "mass": 1.6, "axial_stiffness": 2e7}
+    scene: dict[str, Any] = {
+        "environment": {"waves": {"regular": {"height": 0.5, "period": 6}}},
+        "cable_types": {"wire": wire},
+        "bodies": {"one": float_, "two": float_},
+        "lines": {
+            f"to_{name}": {
+                "from": {"anchor": [0, y, -50]},
+                "to": f"{name}.eye",
+                "items": [{"cable": {"type": "wire", "length": 44}}],
+            }
+            for name, y in (("one", 0), ("two", apart))
+        },
+    }
+    words = [text for text in system_start_warnings(SystemModel(scene)) if "hull" in text]
+    assert len(words) == bool(told)
+    assert not told or words[0].startswith(f"bodies.one.hull is {told} m within that of two")

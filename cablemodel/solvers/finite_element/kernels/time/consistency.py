@@ -36,6 +36,7 @@ from cablemodel.solvers.shared.access import (
     new_motion,
     scalars,
     spare_row,
+    winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
 from cablemodel.solvers.shared.environment import (
@@ -321,10 +322,9 @@ def vessel_jump(I, M):
         move_frames_on(I, M)
         return frames_jump(I, M)
     dimension = head.dimension
-    vessel_motion(I, M, state.time)
     motion = new_motion()
     row = constraint_of(I, M, 0)
-    prescribed_motion(I, M, row, state.time, motion)
+    end_motion(I, M, row, state.time, motion)
     at = head.acceleration + 2 * dimension * int(row.node)
     changed = 0.0
     for i in range(dimension):
@@ -414,15 +414,23 @@ def jerk_jump(I, M, row):
 
 
 @kernel
+def slope_jump(I, M):
+    """By how much a winch's acceleration is now another one than in the last step [m/s2]."""
+    largest = 0.0
+    for n in range(header(I).winch_count):
+        largest = max(largest, abs(winch_of(I, M, n).acceleration_jump))
+    return largest
+
+
+@kernel
 def follows_a_velocity_jump(I, M, dt):
-    """Whether the vessel's acceleration, by the caller, or that of the water was another one in the
+    """Whether the acceleration of the vessel, of a winch or of the water was another one in the
     last step, one much shorter than dt.
 
-    A caller who changes the vessel's speed within a microsecond gives the line 1e6 m/s^2, which is
-    over when the next step begins with it: that moves the line by no more than a step may err, at
-    tens of metres a second.
+    Who changes the vessel's speed within a microsecond gives the line 1e6 m/s^2, which is over when
+    the next step begins with it: that moves the line by no more than a step may err, at tens of
+    metres a second.
     """
-    head = header(I)
     state = scalars(M)
     last = state.last_step
     if last == 0.0 or dt < AFTER_A_VELOCITY_JUMP * last:
@@ -431,8 +439,8 @@ def follows_a_velocity_jump(I, M, dt):
     surge, _most = surge_jump(I, M, state.time)
     if surge * dt * dt > limit:
         return True
-    if head.live == 0 and head.parts == 0:
-        return False
+    if slope_jump(I, M) * dt * dt > limit:
+        return True
     return vessel_jump(I, M) * dt * dt > limit
 
 
@@ -464,8 +472,9 @@ def begin_after_a_velocity_jump(I, M, span):
     a = view(M, head.acceleration, count)
     before = spare_row(I, ROW_ACCELERATIONS_BEFORE)
     copy_words(I, before, head.acceleration, count)
-    set_time(I, M, state.time)
-    impose_motion(I, M, state.time, q, v, a)
+    begins = state.time + state.smallest_step  # by the pieces of motion that begin there
+    set_time(I, M, begins)
+    impose_motion(I, M, begins, q, v, a)
     if refactor_state(I, M, gamma_dt) == 0:
         current_rate(I, M, state.time, True)
         state_residual(I, M)

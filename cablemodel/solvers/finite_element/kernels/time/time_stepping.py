@@ -372,9 +372,7 @@ def make_ready(I, M, plan):
         # Velocities do not meet what a jump of one asks for: they run into it, and make its wave.
         if state.time != plan.last_jump:
             make_consistent(I, M, False, plan.unprojected)
-    elif (head.live != 0 or head.current_kind != 0 or head.parts != 0) and follows_a_velocity_jump(
-        I, M, dt
-    ):
+    elif follows_a_velocity_jump(I, M, dt):
         begin_after_a_velocity_jump(I, M, state.last_step)
     elif head.floor_state == FLOOR_TOUCHED and begins_rubbing(I, M, dt):
         plan.anew = 1
