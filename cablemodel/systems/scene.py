@@ -58,7 +58,7 @@ STALL_BEGINS, STALL_LASTS = 0.75, 0.5
 """Of the stall angle: where the flow begins to part, and within what it has."""
 WING_ROWS = 361
 """Of a thin wing's table: one a degree."""
-SAME = 1e-6
+SAME_RESPONSE = 1e-6
 """By what rounding may make responses or coefficients differ that are the same."""
 INERTIA_ROUNDED = 1e-9
 """Of a moment of inertia: by what rounding may make it larger than the sum of the others."""
@@ -207,7 +207,9 @@ class VesselFrame(Vessel):
         for index, row in enumerate(rows):
             heading = round(row.heading_deg % 360.0, 9) % 360.0
             before = first.setdefault((heading, row.period), index)
-            if not np.allclose(rows[before].response, row.response, rtol=SAME, atol=SAME):
+            if not np.allclose(
+                rows[before].response, row.response, rtol=SAME_RESPONSE, atol=SAME_RESPONSE
+            ):
                 problem = f"rows {before} and {index} differ, of period {row.period:g} s and "
                 problem += f"headings {rows[before].heading_deg:g} and {row.heading_deg:g} degrees,"
                 problem += " which are the same"
@@ -263,7 +265,7 @@ class Foil(SceneModel):
         if angles[0] != -180.0 or angles[-1] != 180.0 or np.any(np.diff(angles) <= 0.0):
             raise rejection("angles out of order", allowed, angles, at)
         first, last = self.table[0][1:], self.table[-1][1:]
-        if not np.allclose(first, last, rtol=SAME, atol=SAME):
+        if not np.allclose(first, last, rtol=SAME_RESPONSE, atol=SAME_RESPONSE):
             problem = "lift and drag at -180 degrees, {:g} and {:g}, are others than at 180, {:g} "
             problem = (problem + "and {:g}").format(*first, *last)
             raise rejection(problem, "the same at both: it is one angle", None, at)
