@@ -1040,8 +1040,6 @@ def test_slack_that_has_to_fold_what_lies_straight_is_told(
 @pytest.mark.parametrize(
     ("override", "place"),
     [
-        ("bodies.depressor.foils.wing.deflection=10", "bodies.depressor.foils.wing.deflection"),
-        ("bodies.depressor.foils.tail.stall=15", "bodies.depressor.foils.tail.stall"),
         ("bodies.depressor.attitude=[0, 0, 90]", "bodies.depressor.attitude"),
         ("vessels.ship.attitude=[0, 0, 45]", "vessels.ship.attitude"),
         (
@@ -1056,3 +1054,12 @@ def test_angles_of_a_system_without_their_unit_are_seen(override: str, place: st
     scene = read_scene(ROOT / "scenes" / "systems" / "depressor.yaml", [override])
     (told,) = (word for word in system_warnings(scene) if "turns" in word)
     assert told.startswith(f"{place}: ")
+
+
+@pytest.mark.parametrize("angle", ["wing.deflection=10", "tail.stall=15"])
+def test_angles_of_a_foil_without_their_unit_are_refused(angle: str) -> None:
+    from cablemodel.systems import read_scene
+
+    place, value = f"bodies.depressor.foils.{angle}".split("=")
+    with pytest.raises(cm.SceneError, match=f"{place}: {value} is out of range.* with a unit"):
+        read_scene(ROOT / "scenes" / "systems" / "depressor.yaml", [f"{place}={value}"])
