@@ -57,8 +57,10 @@ def main() -> None:
     parser.add_argument("--set", type=int, default=1, help="which thousand; others than 1: no page")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
-    if chosen.held + chosen.waves + chosen.ordinary + chosen.converge > 1:
-        parser.error("--held, --waves, --ordinary and --converge are searches: choose one")
+    searches = {"held": HELD, "waves": AT_SEA, "ordinary": JOBS, "converge": CONVERGED}
+    asked = [kind for word, kind in searches.items() if getattr(chosen, word)]
+    if len(asked) > 1:
+        parser.error(f"--{', --'.join(searches)} are searches: choose one")
     if chosen.worker:
         work([int(seed) for seed in chosen.worker.split(",")], converged=chosen.converge)
         return
@@ -85,9 +87,7 @@ def main() -> None:
         print(", ".join(f"{outcome}: {number}" for outcome, number in outcomes.most_common()))
         return
     kept = {}
-    kind = AT_SEA if chosen.waves else JOBS if chosen.ordinary else HELD if chosen.held else ALL
-    if chosen.converge:
-        kind = CONVERGED
+    kind = asked[0] if asked else ALL
     store = STORED / kind.file(".json")
     if store.exists():
         kept = {row["seed"]: row for row in json.loads(store.read_text())}

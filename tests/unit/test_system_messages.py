@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from pathlib import Path
 from typing import Any
 
@@ -265,7 +266,9 @@ def test_a_row_that_stands_twice_is_not_one_that_is_missing() -> None:
 def test_half_turns_and_right_angles_of_foils_are_allowed() -> None:
     changes = [f"{FIN}.deflection=-180 deg", f"{FIN}.stall=90 deg"]
     changes.append(f"{FIN}.table=[[-180, 0, 0.1], [0, 1, 0], [180, -1e-9, 0.1]]")
-    cm.load_system(apply_overrides(SCENE, changes))
+    fin = cm.load_system(apply_overrides(SCENE, changes)).bodies["cage"].foils["fin"]
+    assert fin.deflection == pytest.approx(-math.pi)
+    assert fin.stall == pytest.approx(math.pi / 2)
 
 
 @pytest.mark.parametrize("name", ["a b", "", "a.b", "a/b", "1"])

@@ -392,8 +392,8 @@ const Summary *summary(Cable *cable) {
 /* Whether the last step was asked to pay out, and the drum is empty. */
 int is_idle(Cable *cable) {
     const StepInputs *applied = &cable->now.applied;
-    const int empty = winch_of(cable->I, 0)->at_limit > 0.0 || !(summary(cable)->drum_length > 0.0);
-    return applied->payout_given != 0.0 && applied->payout_rate > 0.0 && empty;
+    return applied->payout_given != 0.0 && applied->payout_rate > 0.0 &&
+           (winch_of(cable->I, 0)->at_limit > 0.0 || !(summary(cable)->drum_length > 0.0));
 }
 
 /* Whether it was asked to reel in, and the line is as short as it gets. */

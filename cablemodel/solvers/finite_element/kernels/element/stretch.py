@@ -64,25 +64,20 @@ def third_strain(I, M, node):
 
 
 @kernel
-def third_tension_of(I, M, node):
-    """Tension of the third strain mode in the element above a node [N]."""
-    edge = edge_of(I, M, node)
-    return edge.stabilisation * third_strain(I, M, node) - edge.third_rest
-
-
-@kernel
-def splitting_tears(I, M, edge):
-    """Whether the third mode of a taut element would become more tension of its pieces than it has
-    itself, by more than tensions may be wrong by. Not where nothing damps a line: there it rings.
-    """
+def splitting_tears(I, M, node):
+    """Whether the third mode of the taut element above a node would become more tension of its
+    pieces than it has itself, by more than tensions may be wrong by; and what it has [N]. Not where
+    nothing damps a line: there the mode rings."""
     if scalars(M).undamped != 0.0:
-        return False
+        return False, 0.0
+    edge = edge_of(I, M, node)
     promised = promised_tension(M)
-    tension = tension_of(I, M, edge)
+    tension = tension_of(I, M, node)
     taut = tension.mean - abs(tension.slope) > promised
-    compliance = edge_of(I, M, edge).compliance
-    beyond = third_strain(I, M, edge) - compliance * third_tension_of(I, M, edge)
-    return taut and OF_A_HALF * abs(beyond) > promised * compliance
+    strain = third_strain(I, M, node)
+    third = edge.stabilisation * strain - edge.third_rest
+    beyond = strain - edge.compliance * third
+    return taut and OF_A_HALF * abs(beyond) > promised * edge.compliance, third
 
 
 @kernel

@@ -23,7 +23,6 @@ from cablemodel.solvers.finite_element.kernels.element.stretch import (
     split_third,
     splitting_tears,
     take_in_rest,
-    third_tension_of,
 )
 from cablemodel.solvers.finite_element.kernels.floor.contact import linear_along
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import (
@@ -502,8 +501,7 @@ def split_element(I, M, edge, x):
     stretched, where that would become tension. OK or NO_CAPACITY."""
     top = winch_of_edge(I, M, edge)
     keeps = header(I).axial_waves != 0 or (top >= 0 and winch_of(I, M, top).rate > 0.0)
-    tears = keeps and splitting_tears(I, M, edge)
-    third = third_tension_of(I, M, edge) if tears else 0.0
+    tears, third = splitting_tears(I, M, edge) if keeps else (False, 0.0)
     status = split_edge(I, M, edge, x, False)
     if status == OK and tears:
         split_third(I, M, edge, edge + 1, x, third)

@@ -2,7 +2,7 @@
 
 from cablemodel.solvers.finite_element.kernels.mesh.body_passage import next_mark
 from cablemodel.solvers.shared.access import cable_of, cut_of, header, scalars, winch_of
-from cablemodel.solvers.shared.compile import inlined, kernel
+from cablemodel.solvers.shared.compile import inlined, kernel, outlined
 from cablemodel.solvers.shared.inputs import commanded_rate
 from cablemodel.solvers.shared.layout import CUT_WITHIN
 from cablemodel.solvers.shared.numbers import RELATIVE_ROUNDING
@@ -102,9 +102,8 @@ def begin_rate(I, M, n, stop):
 @kernel
 def begin_payout(I, M, stop):
     """Set the rates of all winches for the next step: the time by which it must end, and the
-    largest jumps of a rate [m/s] and of its slope [m/s2]."""
+    largest jump of a rate [m/s]."""
     jump = 0.0
-    largest = 0.0
     for n in range(header(I).winch_count):
         winch = winch_of(I, M, n)
         if winch.node < 0.0:
@@ -114,8 +113,19 @@ def begin_payout(I, M, stop):
         stop = begin_rate(I, M, n, stop)
         jump = max(jump, abs(winch.rate - rate))  # one stops dead at an end
         winch.acceleration_jump = winch.slope - slope
-        largest = max(largest, abs(winch.acceleration_jump))
-    return stop, jump, largest
+    return stop, jump
+
+
+@outlined
+def slope_jump(I, M):
+    """By how much the acceleration of a winch in the next step is another one than in the last
+    [m/s2], at most."""
+    largest = 0.0
+    for n in range(header(I).winch_count):
+        winch = winch_of(I, M, n)
+        if winch.node >= 0.0:
+            largest = max(largest, abs(winch.acceleration_jump))
+    return largest
 
 
 @kernel

@@ -29,6 +29,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     set_time,
     stretch_rate,
 )
+from cablemodel.solvers.finite_element.kernels.mesh.winch import slope_jump
 from cablemodel.solvers.shared.access import (
     constraint_of,
     frame_of,
@@ -36,7 +37,6 @@ from cablemodel.solvers.shared.access import (
     new_motion,
     scalars,
     spare_row,
-    winch_of,
 )
 from cablemodel.solvers.shared.compile import copy_words, kernel, view
 from cablemodel.solvers.shared.environment import (
@@ -411,15 +411,6 @@ def jerk_jump(I, M, row):
     if time > 0.0:
         before = jerk_along(I, M, row, time - BEFORE_A_BREAK * JERK * scalars(M).period)
     return abs(jerk_along(I, M, row, time) - before)
-
-
-@kernel
-def slope_jump(I, M):
-    """By how much a winch's acceleration is now another one than in the last step [m/s2]."""
-    largest = 0.0
-    for n in range(header(I).winch_count):
-        largest = max(largest, abs(winch_of(I, M, n).acceleration_jump))
-    return largest
 
 
 @kernel

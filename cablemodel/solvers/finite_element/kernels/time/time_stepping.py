@@ -38,7 +38,11 @@ from cablemodel.solvers.finite_element.kernels.mesh.sleep import (
 )
 from cablemodel.solvers.finite_element.kernels.mesh.top_element import adapt_tops, anything_passes
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import follow_floor
-from cablemodel.solvers.finite_element.kernels.mesh.winch import begin_payout, longest_payout_step
+from cablemodel.solvers.finite_element.kernels.mesh.winch import (
+    begin_payout,
+    longest_payout_step,
+    slope_jump,
+)
 from cablemodel.solvers.finite_element.kernels.time.buckling import (
     any_pressed,
     arch_stands,
@@ -313,7 +317,8 @@ def plan_step(I, M, plan):
     jump = 0.0
     acceleration_jump = 0.0
     if head.payout != 0:
-        stop, jump, acceleration_jump = begin_payout(I, M, stop)
+        stop, jump = begin_payout(I, M, stop)
+        acceleration_jump = slope_jump(I, M)
         if acceleration_jump != 0.0:
             head.settled = 0
         natural = longest_payout_step(I, M, natural)

@@ -172,18 +172,18 @@ def runs_through(I, M, root, end):
 
 
 @kernel
-def something_between(I, M, root, end, farthest):
-    """Whether a body hangs on what is tied together elsewhere than at its far end: it throws waves
-    back, and their spectrum is another one."""
+def something_between(I, M, root, end, lasts):
+    """Whether a body hangs on what is tied together nearer than its far end, to which sound runs
+    for that time [s]: it throws waves back, and their spectrum is another one."""
     head = header(I)
-    lasts = M[spare_row(I, ROW_TIMES) + farthest]
+    times = spare_row(I, ROW_TIMES)
     for n in range(head.body_count):
         node = int(body_of(I, M, n).node)
-        if root < node < end and M[spare_row(I, ROW_TIMES) + node] < lasts:
+        if root < node < end and M[times + node] < lasts:
             return True
     for n in range(head.free_count):
         node = int(free_body_of(I, M, n).node)
-        if root < node < end and M[spare_row(I, ROW_TIMES) + node] < lasts:
+        if root < node < end and M[times + node] < lasts:
             return True
     return False
 
@@ -208,9 +208,9 @@ def begin_wave(I, M, row, jump, allowed):
     if jump == 0.0 or head.floor_state == FLOOR_TOUCHED:
         return
     root, end, farthest = times_of_sound(I, M, int(row.node))
-    if runs_through(I, M, root, end) or something_between(I, M, root, end, farthest):
-        return
     lasts = M[spare_row(I, ROW_TIMES) + farthest]
+    if runs_through(I, M, root, end) or something_between(I, M, root, end, lasts):
+        return
     new = 2.0 / (math.pi * math.pi) * jump * hardness(I, M, row) * lasts
     made = new + row.wave
     if ALL_WAVES * made <= allowed:
