@@ -6,7 +6,9 @@ mode. But then it has a frequency of its own, 6.5 sqrt(S / m) / h, and where ele
 is one of the line's motions along itself: a load that rings on eight elements rings with it.
 While something rings the mode is made as stiff as puts its frequency above the line's own,
 EA (h / L)^2, as long as what bending makes of it stays below tau of the element's tension. As it
-becomes so, the mode's tension goes on: what it is strained by becomes its strain at rest. When
+becomes so, the mode's tension goes on: what it is strained by becomes its strain at rest. And what
+its stiffness makes of a motion slower than the ring is forgotten: bends change, and the modes'
+strains with them, from element to element; held, they would be tensions that no cable has. When
 nothing rings any more that stiffness is forgotten, by halves; but where nothing damps a line: a
 split or a winch stirs a soft mode, and that would last.
 
@@ -60,11 +62,18 @@ def strain_of_bend(I, M, node):
 
 @kernel
 def ringing_stiffness(I, M, edge):
-    """That with which an element's own frequency is above those of its line [N]; where waves run
-    along it all that the cable has."""
-    if header(I).axial_waves != 0:
-        return 1.0 / edge.compliance
-    return stiffness_of_ring(I, M, edge)
+    """That with which an element's own frequency is above those of its line [N]. Where waves are
+    followed it is in all elements that of the longest there may be, which has all of EA."""
+    stiffness = stiffness_of_ring(I, M, edge)
+    head = header(I)
+    if head.axial_waves != 0:
+        sound = edge.length * edge.length * edge.mass * edge.compliance
+        for n in range(head.constraint_count):
+            row = constraint_of(I, M, n)
+            if row.wave > 0.0:
+                part = min(sound / row.wave_element**2, 1.0)
+                stiffness = max(stiffness, part / edge.compliance)
+    return stiffness
 
 
 @kernel
@@ -124,7 +133,7 @@ def wanted_stiffness(I, M, node, edge, tension, rings, over):
     outgrown those of the start; rings: `rings_taut`; over: nothing has for a while."""
     stiffness = edge.stabilisation
     least = least_stiffness(M, edge)
-    carried = min(STABILISATION * tension, 1.0 / edge.compliance)
+    carried = carried_stiffness(edge, tension)
     if over:
         return max(least, carried, HALF * stiffness)
     wanted = max(stiffness, carried)
@@ -166,17 +175,32 @@ def forget_stretch(edge, share):
         edge.moment_rest = 0.0
 
 
+@inlined
+def carried_stiffness(edge, tension):
+    """What a tension that has outgrown those of the start asks for [N]."""
+    return min(STABILISATION * tension, 1.0 / edge.compliance)
+
+
 @kernel
-def follow_third_mode(I, M, share):
-    """After a step, of which the line's sqrt(L/g) is 1 / share, or as a ring begins, share 0:
-    stiffness that does not fit.
+def relax_third(I, M, node, edge, tension, share):
+    """Let a share of the tension be forgotten that a mode has only as it is stiff for a ring: it
+    may hold no strain that goes with the bend. tension: as in `carried_stiffness`."""
+    more = edge.stabilisation - max(least_stiffness(M, edge), carried_stiffness(edge, tension))
+    if more > 0.0:
+        edge.third_rest += share * (more * third_strain(I, M, node) - edge.third_rest)
+
+
+@kernel
+def follow_third_mode(I, M, dt):
+    """After a step of dt, or as a ring begins, 0: stiffness that does not fit.
 
     As it becomes stiffer the mode's tension goes on: what it is strained by becomes its strain at
-    rest, of which `share` is forgotten, more slowly than anything along the line moves. As it
-    becomes softer that strain stays, and no energy is made.
+    rest. As it becomes softer that strain stays, and no energy is made.
     """
     head = header(I)
     state = scalars(M)
+    share = dt / (dt + state.period)
+    turned = dt / (dt + 1.0 / math.sqrt(state.axial))
     taut = state.largest_tension > state.third_mode
     rings = rings_taut(I, M)
     if not taut and not rings and state.stiffened == 0.0:
@@ -195,12 +219,15 @@ def follow_third_mode(I, M, share):
         if edge.compliance == 0.0:
             continue
         stiffness = edge.stabilisation
-        edge.third_rest *= 1.0 - share
+        tension = tension_of(I, M, node).mean if taut else 0.0
+        outgrown = tension if tension > stiffness or over else 0.0
+        if rings:
+            relax_third(I, M, node, edge, tension, turned)
+        else:
+            edge.third_rest *= 1.0 - share
         if abs(edge.third_rest) < FORGOTTEN * stiffness:
             edge.third_rest = 0.0
         forget_stretch(edge, SLOWLY * share)
-        tension = tension_of(I, M, node).mean if taut else 0.0
-        outgrown = tension if tension > stiffness or over else 0.0
         wanted = wanted_stiffness(I, M, node, edge, outgrown, rings, over)
         if wanted > stiffness:
             strain = third_strain(I, M, node)

@@ -526,7 +526,7 @@ def take(I, M, plan):
         if head.payout != 0:
             follow_layer(I, M, dt)
         update_springs(I, M, dt / (dt + state.period))
-    follow_third_mode(I, M, dt / (dt + state.period))
+    follow_third_mode(I, M, dt)
     if head.live == 0:
         head.piece = find_piece(I, M, state.time)
     head.steps += 1
