@@ -164,9 +164,6 @@ def test_a_wire_that_runs_from_one_winch_to_another_keeps_its_catenary(speed: fl
     assert np.abs(moved).max() < 0.05
 
 
-@pytest.mark.xfail(
-    strict=True, reason="what runs from winch to winch rings along itself, ever more"
-)
 def test_a_wire_that_runs_on_in_water_does_not_begin_to_ring() -> None:
     model = running(5.0, 50.0, {"water_density": 1025.0, "gravity": G})
     found = []

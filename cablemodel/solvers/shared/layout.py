@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 28
+VERSION = 29
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -135,6 +135,7 @@ class Header(Record):
     rest = integer("start of rest of the friction bristles: places, slopes (nodes, 2, d) [m, -]")
     cell_terms = integer("terms of the series in the sea's cells: CELL_TERMS, or 0: no cells")
     axial_waves = integer("ends that are held below which waves run along that are followed")
+    heard = integer("ends where the last step has heard a ring that no jump began")
     cell_layers = integer("start of the layers of water that have cells (Layer)")
     cells = integer("start of the cells of Gauss points and bodies, of CELL_WORDS")
     surge = integer("1 while the current changes in time, as of the last set_time")
@@ -536,6 +537,7 @@ class Constraint(Record):
     ring_cosine = real("the window's integral so far: of the ring's cosine", "N")
     ring_sine = real("of its sine", "N")
     ring_share = real("what it may be missed by, over what the line next to it allows")
+    ring_missed = real("what the last step has missed of one that no jump began", "N")
     wave = real("tension of the first wave that runs along since then, 0: none is followed", "N")
     wave_frequency = real("of that", "rad/s")
     wave_began = real("when the last jump made waves", "s")

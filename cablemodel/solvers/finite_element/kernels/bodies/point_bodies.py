@@ -148,17 +148,23 @@ def lift_of(M, row):
 
 
 @kernel
-def add_waves(I, M, row, x, y, z, rise, body):
-    """Take the waves into a body's flow and acceleration at a place, and write its `water`.
-
-    rise [m]: height of its upper end over its lower one. The band around the surface is a sphere
-    of the body's volume, and what it stands across.
-    """
-    head = header(I)
+def surface_band(M, row, rise):
+    """Half of the band around the surface in which a body becomes wet [m]: a sphere of its volume,
+    and what it stands across. rise: height of its upper end over its lower one [m]."""
     state = scalars(M)
     volume = max(0.0, lift_of(M, row)) / (state.gravity * state.water_density)
     radius = math.pow(0.75 * volume / math.pi, 1.0 / 3.0)
-    half = max(SMALLEST, radius + 0.5 * abs(rise))
+    return max(SMALLEST, radius + 0.5 * abs(rise))
+
+
+@kernel
+def add_waves(I, M, row, x, y, z, rise, body):
+    """Take the waves into a body's flow and acceleration at a place, and write its `water`.
+
+    rise: height of its upper end over its lower one [m].
+    """
+    head = header(I)
+    half = surface_band(M, row, rise)
     slot = 3 * head.capacity + (word_of(M, row) - head.bodies) // BODY_WORDS
     water = body.water
     wet_at(wave_at(I, M, x, y, z, half, slot, water), half, water)

@@ -8,6 +8,9 @@ the jump makes, then what a window of two turns finds in the tension beside a cu
 motion that waves or a vessel force on the line is that, and is none of the ring. One of less than
 is allowed may be damped away at once: no more than all of it can be missed.
 
+A body that comes out of waves, or goes in, is knocked, too. There steps listen for rings: what one
+misses of a ring its embedded solution tells (`tension.hears`).
+
 Every end that a vessel holds has a ring of its own, watched in the element next to it. What rings
 shakes all that hangs there: the line that may least be wrong says what the ring may be.
 """
@@ -38,6 +41,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     least_tolerance,
     may_be_solved_for,
     solve_for_tension,
+    watched_element,
 )
 from cablemodel.solvers.finite_element.kernels.time.waves import (
     MOST_LASTING,
@@ -48,7 +52,6 @@ from cablemodel.solvers.finite_element.kernels.time.waves import (
     longest_wave_step,
     may_miss_waves,
     tree_of,
-    watched_element,
 )
 from cablemodel.solvers.shared.access import (
     body_of,
@@ -338,6 +341,34 @@ def measure_ring(row, found):
 
 
 @kernel
+def begin_heard(I, M, dt, scheme):
+    """Follow from the trial on the rings that a step of dt has heard, if it should not have missed
+    what it has: what ends of lines do is not all that shakes them."""
+    head = header(I)
+    head.heard = 0
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        missed = row.ring_missed
+        row.ring_missed = 0.0
+        if missed == 0.0 or row.ring > 0.0:
+            continue
+        find_mode(I, M, row)
+        angle = row.mode_frequency * dt
+        if angle == 0.0:
+            continue
+        top = watched_element(I, row)
+        after = trial_tension_of(I, M, top).mean
+        made = min(missed / error_of_turn(scheme, angle), after)
+        if made <= allowed_of(I, M, row):
+            continue  # no more than all of it can be missed
+        if missed_of_ring(made / ring_allowed(I, M, row), 0.0, scheme, angle) > 1.0:
+            head.rings += 1
+            row.ring = made
+            row.ring_lasts = 0.0
+            begin_window(I, M, row, scalars(M).time + dt, after)
+
+
+@kernel
 def follow_rings(I, M, dt, scheme):
     """Measure rings in a step from the state to the trial, by a scheme of STAGES; -1: two-step.
 
@@ -345,7 +376,7 @@ def follow_rings(I, M, dt, scheme):
     """
     head = header(I)
     state = scalars(M)
-    if head.rings + head.axial_waves == 0:
+    if head.rings + head.axial_waves + head.heard == 0:
         return
     end_here = False
     if head.axial_waves != 0:
@@ -379,6 +410,8 @@ def follow_rings(I, M, dt, scheme):
                 row.ring = 0.0
                 head.rings -= 1
             begin_window(I, M, row, state.time + dt, after)
+    if head.heard != 0:
+        begin_heard(I, M, dt, scheme)
 
 
 @kernel

@@ -15,6 +15,7 @@ it, and the tension that is solved for is that of the step: such a step is refus
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.bodies.point_bodies import surface_band
 from cablemodel.solvers.finite_element.kernels.element.strain import folds, promised_tension
 from cablemodel.solvers.finite_element.kernels.element.tables import (
     GAMMA,
@@ -56,7 +57,15 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import copy_words, inlined, kernel, outlined, view
 from cablemodel.solvers.shared.environment import current_rate, surge_jump
-from cablemodel.solvers.shared.layout import FilterRows, SoftnessRows, SolvedRows
+from cablemodel.solvers.shared.layout import (
+    FLOOR_TOUCHED,
+    HELD_BY_ANCHOR,
+    JOINT_ROOT,
+    WHOLLY,
+    FilterRows,
+    SoftnessRows,
+    SolvedRows,
+)
 from cablemodel.solvers.shared.numbers import PROMISE
 
 ROW_LEFT, ROW_MOTION = FilterRows.left.word, FilterRows.accelerations.word
@@ -249,6 +258,91 @@ def share_of_ring(M, dt, scheme, share):
     return 0.5 * LOSS_FACTOR * angle / max(1.0, UNDERRATED[scheme] * angle)
 
 
+@inlined
+def is_root(I, node):
+    """Whether a tree begins at that node."""
+    return node == 0 or I[header(I).joint + node] >= JOINT_ROOT
+
+
+@inlined
+def watched_element(I, row):
+    """The element next to a constraint, whose tension is looked at."""
+    node = int(row.node)
+    return node + 1 if is_root(I, node) else node
+
+
+@inlined
+def height_of(I, M, node):
+    """Of a node above still water [m]."""
+    head = header(I)
+    return scalars(M).origin[2] + M[head.position + head.dimension * (2 * node + 1) - 1]
+
+
+@kernel
+def hears(I, M):
+    """Whether rings are listened for that no end of a line begins: below or above a sea whose
+    troughs a body may come out of, which knocks it. Not in systems without winches
+    (`share_of_ring`), nor where what comes to a floor ends them."""
+    head = header(I)
+    if head.wave_count == 0 or head.floor_state == FLOOR_TOUCHED:
+        return False
+    if head.parts != 0 and head.payout == 0:
+        return False
+    trough = -scalars(M).wave_crest
+    for n in range(head.body_count):
+        row = body_of(I, M, n)
+        if row.node > 0.0:
+            reach = surface_band(M, row, row.length)
+            if height_of(I, M, int(row.node)) > trough - reach:
+                return True
+    for n in range(head.free_count):
+        row = free_body_of(I, M, n)
+        if height_of(I, M, int(row.node)) > trough - row.radius - row.size:
+            return True
+    return False
+
+
+@kernel
+def hear(I, M, row, missed):
+    """Keep what a step has missed of a ring at an end [N], which may be followed (rings.py)."""
+    if row.ring == 0.0 and missed > 0.0:
+        row.ring_missed = missed
+        header(I).heard += 1
+
+
+@kernel
+def hear_embedded(I, M, scheme):
+    """Keep what a step has missed of rings that none follows, as its embedded solution tells
+    where the step follows what rings."""
+    head = header(I)
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY:
+            continue
+        top = watched_element(I, row)
+        left, share = embedded_error(I, M, top, stage_scatter(I, M, top, scheme))
+        if share <= STIFF:
+            continue
+        angle = math.sqrt(1.0 / share - 1.0) / GAMMA[scheme]
+        hear(I, M, row, left * allowed_at(I, M, top) * UNDERRATED[scheme] * angle)
+
+
+@kernel
+def hear_late(I, M):
+    """The same of a two-step step, which is late by a third of the angle's cube."""
+    head = header(I)
+    for n in range(head.constraint_count):
+        row = constraint_of(I, M, n)
+        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY:
+            continue
+        top = watched_element(I, row)
+        final = trial_tension_of(I, M, top).mean
+        change = abs(final - tension_of(I, M, top).mean)
+        off = abs(final - M[head.stage_tensions + 6 * top])
+        if 2.0 * off < change:
+            hear(I, M, row, 2.0 / 3.0 * off)
+
+
 @kernel
 def is_slack(I, M, first):
     """Whether the line of a system that begins above a node is slack in a step: pressed somewhere
@@ -351,6 +445,8 @@ def two_step_error(I, M, dt):
             change = abs(final - tension_of(I, M, node).mean)
             missed = max(missed, phase_missed(change, abs(final - first)))
         worst = max(worst, missed / allowed_at(I, M, node))
+    if hears(I, M):
+        hear_late(I, M)
     return worst, along
 
 
@@ -689,6 +785,8 @@ def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
             part = share_of_ring(M, dt, scheme, share) if rings_on else TENSION_SHARE
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
+    if hears(I, M):
+        hear_embedded(I, M, scheme)
     if head.parts != 0:
         missed = max(lasting, forgotten)
         if at_once:

@@ -24,7 +24,11 @@ from cablemodel.solvers.finite_element.kernels.element.stabilisation import soft
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_element
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
-from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
+from cablemodel.solvers.finite_element.kernels.time.tension import (
+    LOSS_FACTOR,
+    is_root,
+    watched_element,
+)
 from cablemodel.solvers.shared.access import (
     body_of,
     constraint_of,
@@ -41,7 +45,6 @@ from cablemodel.solvers.shared.compile import inlined, kernel
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     FLOOR_TOUCHED,
-    JOINT_ROOT,
     NO_CAPACITY,
     NOTHING,
     OK,
@@ -56,12 +59,6 @@ ALL_WAVES = math.pi * math.pi / 6.0  # of the first wave's amplitude: that of al
 ELEMENT_DISPERSION = 1e-5  # of a wave's frequency: what elements are off by, over (w t)^6 of each
 ELEMENT_TOO_LONG = 1.5  # of what an element may have: longer ones are divided
 TURN_FINER = 1.1  # least by which a turn is divided further
-
-
-@inlined
-def is_root(I, node):
-    """Whether a tree begins at that node."""
-    return node == 0 or I[header(I).joint + node] >= JOINT_ROOT
 
 
 @kernel
@@ -120,13 +117,6 @@ def times_of_sound(I, M, held):
         if until > M[times + farthest]:
             farthest = node
     return root, end, farthest
-
-
-@inlined
-def watched_element(I, row):
-    """The element next to a constraint, whose tension is looked at."""
-    node = int(row.node)
-    return node + 1 if is_root(I, node) else node
 
 
 @inlined
