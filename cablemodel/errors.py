@@ -265,19 +265,24 @@ class UnstableStartWarning(StartWarning):
 
 
 class OverturnedStartWarning(StartWarning):
-    """Bodies do not last as the scene has them, and start turned over, as they fall from there.
+    """Bodies do not last as the scene has them, and start turned from there, as they fall.
 
-    Attributes: ``bodies``, their names.
+    Attributes: ``bodies``, their names; ``angles`` by which their vertical axes turn [rad].
     """
 
-    def __init__(self, bodies: list[str]) -> None:
-        super().__init__(bodies)
+    def __init__(self, bodies: list[str], angles: list[float]) -> None:
+        super().__init__(bodies, angles)
         self.bodies = bodies
+        self.angles = angles
 
     def __str__(self) -> str:
-        many = len(self.bodies) > 1
+        turned = [
+            f"{name} starts turned by {math.degrees(angle):.0f} degrees"
+            for name, angle in zip(self.bodies, self.angles, strict=True)
+        ]
+        many = len(turned) > 1
         return (
-            f"{' and '.join(self.bodies)} start{'' if many else 's'} turned over: as the scene has "
+            f"{' and '.join(turned)}: as the scene has "
             f"{'them, they fall' if many else 'it, it falls'} from an unstable equilibrium. Check "
             "the points at which bodies are held, their centres and foils"
         )

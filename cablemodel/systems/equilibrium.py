@@ -40,6 +40,9 @@ FloatArray = NDArray[np.float64]
 PARTS_ASIDE = 1, 2, 4, 8, 16, 32
 """Of each element, in turn, where lines are drawn aside: some need a sharp bend to hang in."""
 
+HEELED = 0.5
+"""By more than that a body's vertical axis turns in a start that is told of [rad]."""
+
 
 @dataclass(frozen=True)
 class Equilibria:
@@ -68,7 +71,7 @@ class Equilibria:
 
         Warns:
             UnstableStartWarning: the system leaves it by itself, and no other was found.
-            OverturnedStartWarning: another was, in which bodies are turned over.
+            OverturnedStartWarning: another was, to which bodies turn.
         """
         built, leaves = self._from_first_shapes()
         if leaves is not None:
@@ -77,7 +80,8 @@ class Equilibria:
                 built, leaves = lasts, None
                 overturned = _overturned(built, self.guess)
                 if overturned:
-                    warnings.warn(OverturnedStartWarning(overturned), stacklevel=2)
+                    names, angles = list(overturned), list(overturned.values())
+                    warnings.warn(OverturnedStartWarning(names, angles), stacklevel=2)
         if leaves is not None:
             warnings.warn(leaves.warning(), stacklevel=2)
         built.unstable = leaves is not None
@@ -264,8 +268,9 @@ def _failures_pass(built: Built | None) -> suppress:
     return suppress(StaticsError, *(() if built is None else (search.OutOfTimeError,)))
 
 
-def _overturned(built: Built, guess: Guess) -> list[str]:
-    """Names of bodies whose vertical axis points the other way than at the first guess."""
+def _overturned(built: Built, guess: Guess) -> dict[str, float]:
+    """Bodies whose vertical axis has turned from the first guess by more than `HEELED`, and by how
+    much [rad]."""
     from scipy.spatial.transform import Rotation
 
     nodes = built.body_nodes()
@@ -273,8 +278,9 @@ def _overturned(built: Built, guess: Guess) -> list[str]:
     rows = built.block.array(Header.free_bodies, len(nodes), at.FREE_WORDS)
     axes = turns.as_matrix() @ rows[:, at.FreeBody.rotation.span].reshape(-1, 3, 3)
     upright = np.array([guess.axes[name] for name in built.scene.bodies])
-    over = np.sum(axes[:, :, 2] * upright[:, :, 2], axis=1) < 0.0
-    return [name for name, is_over in zip(built.scene.bodies, over, strict=True) if is_over]
+    cosines = np.sum(axes[:, :, 2] * upright[:, :, 2], axis=1)
+    angles = zip(built.scene.bodies, np.arccos(np.clip(cosines, -1.0, 1.0)), strict=True)
+    return {name: float(angle) for name, angle in angles if angle > HEELED}
 
 
 def held_by_nothing(scene: SystemScene) -> str:

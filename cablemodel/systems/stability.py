@@ -27,6 +27,9 @@ from cablemodel.systems.built import Built
 FloatArray = NDArray[np.float64]
 Motion = NDArray[np.complex128]
 
+ROUNDED_SWING = math.sqrt(np.finfo(float).eps)
+"""Of a rate of growth: the frequency with which nothing swings."""
+
 
 @dataclass(frozen=True)
 class Instability:
@@ -119,7 +122,8 @@ def fastest_growth(
     quick: float = 0.0,
 ) -> tuple[complex, Motion] | None:
     """Of motions x exp(l t) the fastest that grows by more than a rate, and swings at a frequency
-    or above, of those (n, motions) that are coupled: l [1/s] and x (n,)."""
+    or above, of those (n, motions) that are coupled: l [1/s] and x (n,). Two that grow alike may
+    swing by the root of what rounding does: they do not swing."""
     from scipy.linalg import eig
 
     count = coupled.shape[1]
@@ -128,6 +132,7 @@ def fastest_growth(
     state[:count, count:] = np.eye(count)
     state[count:] = -np.linalg.solve(m, np.hstack([k, c]))
     rates, vectors = eig(state)
+    rates.imag[np.abs(rates.imag) <= ROUNDED_SWING * np.abs(rates)] = 0.0
     grows = np.flatnonzero((rates.real > least) & (rates.imag >= quick))
     if len(grows) == 0:
         return None

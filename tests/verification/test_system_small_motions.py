@@ -63,7 +63,7 @@ def squares(height: float) -> np.ndarray:
 
 
 def test_a_body_that_stands_on_its_string_starts_hanging_and_is_warned_of() -> None:
-    with pytest.warns(OverturnedStartWarning, match="bar starts turned over"):
+    with pytest.warns(OverturnedStartWarning, match="bar starts turned by 180 degrees"):
         model = SystemModel(body_on_a_string(0.4))
     hanging = SystemModel(body_on_a_string(-0.4))
     found, expected = model.natural_frequencies(6), hanging.natural_frequencies(6)
@@ -71,6 +71,30 @@ def test_a_body_that_stands_on_its_string_starts_hanging_and_is_warned_of() -> N
     up = model.bodies["bar"].axes[:, 2]
     assert up == pytest.approx([0, 0, -1], abs=1e-6)
     assert model.bodies["bar"].position == pytest.approx([0, 0, -5.4], abs=1e-2)
+
+
+def test_a_spar_that_is_top_heavy_starts_heeled_and_is_warned_of() -> None:
+    """It falls to every side alike: two motions that grow at the same rate, and do not swing."""
+    spar = {
+        "mass": 6000.0, "inertia": [3e4, 3e4, 4e3], "centre_of_gravity": [0, 0, -1.0],
+        "hull": {"diameter": 2.0, "height": 6.0}, "points": {"keel": [0, 0, -3.0]},
+    }  # fmt: skip
+    tether = {"diameter": 0.05, "mass": 2.0, "axial_stiffness": 4e5}
+    with pytest.warns(OverturnedStartWarning, match="spar starts turned by 4. degrees") as told:
+        model = SystemModel(
+            {
+                "cable_types": {"tether": tether},
+                "bodies": {"spar": spar},
+                "lines": {
+                    "tether": {
+                        "from": {"anchor": [0, 0, -60.0]}, "to": "spar.keel",
+                        "items": [{"cable": {"type": "tether", "length": 55.0}}],
+                    }
+                },
+            }
+        )  # fmt: skip
+    heel = np.arccos(model.bodies["spar"].axes[2, 2])
+    assert [warning.message.angles for warning in told] == [[pytest.approx(heel)]]
 
 
 @pytest.fixture
