@@ -57,6 +57,10 @@ WORDS = {
     "solvers/finite_element/kernels/mesh/mesh_motion.py": "FOLLOW_WORDS",
     "solvers/finite_element/kernels/outputs/interface.py": "ROW_CHANGE ROW_FORCES ROW_SOLUTION",
     "solvers/finite_element/kernels/outputs/summary.py": "ROW_ELEMENTS",
+    "solvers/finite_element/kernels/start/strings.py": (
+        "ROW_LOAD ROW_BASE ROW_PLACE ROW_TRIAL ROW_SLOPE ROW_STEP ROW_FIRST ROW_START ROW_OWNER "
+        "ROW_UNKNOWN ROW_GROUP ROW_LEFT ROW_RIGHT ROW_REST ROW_SIZES ROW_MATRIX"
+    ),
     "solvers/finite_element/kernels/time/begin.py": "ROW_BENT ROW_ACCELERATIONS",
     "solvers/finite_element/kernels/time/consistency.py": (
         "ROW_PLACES_BEFORE ROW_VELOCITIES_BEFORE ROW_ACCELERATIONS_BEFORE ROW_TENSIONS_BEFORE "

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Line, Winch
-from cablemodel.solvers.shared.numbers import ONE_PLACE
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
 
@@ -115,45 +114,3 @@ class Built:
         if (found.node[place] == node) is not bool(found.backward[place]):
             arc += found.length[place]
         return self.tree.segments[found.segment[place]].line, float(arc)
-
-
-class Shape:
-    """Cubics of a block's elements, to start from on other nodes."""
-
-    def __init__(self, built: Built) -> None:
-        block, count = built.block, built.nodes
-        self._q = block.array(Header.position, count, 6)
-        self._t = block.array(Header.tension, count, 2)
-        self._parents = block.integers(Header.parent, count)
-        self.bodies = {
-            name: self._q[node, :3]
-            for name, node in zip(built.scene.bodies, built.body_nodes(), strict=True)
-        }
-        self._lines = {name: built.elements(name) for name in built.lines}
-
-    def _element(self, name: str, arc: float) -> tuple[int, int]:
-        """Number of the element at an arc length among those of its line, and its node."""
-        elements = self._lines[name]
-        place = int(np.searchsorted(elements.start, arc + ONE_PLACE, side="right")) - 1
-        place = max(place, 0)
-        return place, int(elements.node[place])
-
-    def at(self, name: str, arc: float, *, forward: bool) -> FloatArray:
-        """Place and slope (6,) at an arc length of a line."""
-        place, node = self._element(name, arc)
-        elements = self._lines[name]
-        h, backward = float(elements.length[place]), bool(elements.backward[place])
-        x = min(1.0, max(0.0, (arc - float(elements.start[place])) / h))
-        x = 1.0 - x if backward else x
-        p, q = self._q[self._parents[node]], self._q[node]
-        y = 1.0 - x
-        point = y * y * (1 + 2 * x) * p[:3] + h * x * y * y * p[3:]
-        point = point + x * x * (3 - 2 * x) * q[:3] - h * x * x * y * q[3:]
-        slope = 6 * x * y * (q[:3] - p[:3]) / h + y * (1 - 3 * x) * p[3:] + x * (3 * x - 2) * q[3:]
-        if backward is forward:
-            slope = -slope
-        return np.concatenate([point, slope])
-
-    def tension(self, name: str, arc: float) -> float:
-        """Mean tension of the element there [N]."""
-        return float(self._t[self._element(name, arc)[1], 0])

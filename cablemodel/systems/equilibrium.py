@@ -9,27 +9,24 @@ from __future__ import annotations
 
 import copy
 import warnings
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import OverturnedStartWarning, StaticsError
 from cablemodel.scene.sea import sea
-from cablemodel.solvers.finite_element.start import continuation, sea_floor, search
+from cablemodel.solvers.finite_element.start import sea_floor, search
 from cablemodel.solvers.finite_element.start.falling import TIMES, fall
-from cablemodel.solvers.finite_element.start.refinement import REFINEMENT_ROUNDS, image_before
 from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
-from cablemodel.solvers.shared.layout import Header
+from cablemodel.solvers.shared.layout import NO_CAPACITY, OK, SEARCH, Header, Settling
 from cablemodel.systems.built import Built
 from cablemodel.systems.clamped_guess import straight_from_clamps, turned_along_clamps
-from cablemodel.systems.guess import Guess, first_guess, ways_aside
+from cablemodel.systems.guess import Guess, drawn_aside, first_guess, shape_of
 from cablemodel.systems.lines import nodes_of, steady_velocity
-from cablemodel.systems.places import divided, place_nodes, refined
+from cablemodel.systems.places import divided
 from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.stability import Instability, instability, is_pressed
 from cablemodel.systems.tables import filled, hold_feet
@@ -39,6 +36,12 @@ FloatArray = NDArray[np.float64]
 
 PARTS_ASIDE = 1, 2, 4, 8, 16, 32
 """Of each element, in turn, where lines are drawn aside: some need a sharp bend to hang in."""
+FINER = (
+    "",
+    "the same on finer elements",
+    "the same on elements that are finer at the touchdown",
+)
+"""What is told of a search, by its stage."""
 
 HEELED = 0.5
 """By more than that a body's vertical axis turns in a start that is told of [rad]."""
@@ -117,7 +120,7 @@ class Equilibria:
         if built is None or (leaves is not None and is_pressed(built)):
             # Slack between two places one above the other is a strut, or hangs doubled in a sharp
             # bend.
-            guess = first_guess(self.scene, self.velocity, ways_aside(self.guess))
+            guess = drawn_aside(self.scene, self.guess)
             guess = turned_along_clamps(self.scene, guess) or guess
             self.sought.tries("the same from lines that were drawn aside")
             for parts in PARTS_ASIDE:
@@ -140,35 +143,8 @@ class Equilibria:
         Raises:
             StaticsError: none was found.
         """
-        scene = self.scene
-        nodes = {
-            name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines
-        }
-        water = sea(scene)
-        if water is not None:
-            for name, line in scene.lines.items():
-                accuracy = scene.solver.tolerance * line.length
-                cables = [item.cable for item in line.items if item.cable is not None]
-                nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
-        return self._refined(guess, self._solved(nodes, guess, None))
-
-    def _refined(self, guess: Guess, built: Built) -> Built:
-        """The same equilibrium on elements that are fine enough for it.
-
-        Raises:
-            StaticsError: none was found.
-        """
-        nodes = built.tree.nodes
-        for _round in range(REFINEMENT_ROUNDS):
-            finer = refined(self.scene, nodes, built)
-            if finer is None:
-                break
-            nodes = finer
-            self.sought.tries("the same on finer elements")
-            built = self._solved(nodes, guess, built)
-        if self.scene.environment.floor is not None:
-            self.sought.tries("the same on elements that are finer at the touchdown")
-            self._refine_at_floor(built)
+        built = placed(self.scene, self.whole, guess, parts)
+        self._settle(built)
         return built
 
     def _fallen(self, built: Built, leaves: Instability) -> Built | None:
@@ -188,8 +164,7 @@ class Equilibria:
                     return None
                 state.friction = friction
                 built = replace(built, block=fallen.block)
-                self._come_to_rest(built)
-                built = self._refined(self.guess, built)
+                self._settle(built)
             except (StaticsError, search.OutOfTimeError):
                 return None
             still = instability(built)
@@ -198,23 +173,8 @@ class Equilibria:
             leaves = still
         return None
 
-    def _solved(
-        self, nodes: dict[str, list[FloatArray]], guess: Guess, before: Built | None
-    ) -> Built:
-        """A block on given nodes, at rest; from another one on coarser nodes where there is one."""
-        from cablemodel.solvers import library as entry
-
-        built = filled(self.scene, tree_of(self.scene, nodes), guess, before, settings=self.whole)
-        block = built.block
-        place_nodes(self.scene, built, guess, before)
-        sea_floor.fill(block, self.whole)
-        block.header.sleep = 0
-        entry.place_supports(block.ints, block.reals)
-        self._come_to_rest(built)
-        return built
-
-    def _come_to_rest(self, built: Built) -> None:
-        """Equilibrium of a block whose nodes are placed.
+    def _settle(self, built: Built) -> None:
+        """Equilibrium of a block whose nodes are placed, on elements that are fine enough for it.
 
         Raises:
             StaticsError: none was found.
@@ -222,45 +182,65 @@ class Equilibria:
         from cablemodel.solvers import library as entry
 
         block = built.block
-        ints, reals = block.ints, block.reals
-        solve = partial(search.equilibrium, block, self.velocity.copy())
-        ways: list[Callable[[], int]] = [solve]
-        if block.header.floor_kind:
-            harder = continuation.on_hardening_floors
-            ways += [partial(harder, block, solve, floors) for floors in continuation.FLOORS]
-        # What is free comes to rest without friction; it holds the lines from there.
-        friction = float(block.scalars.friction)
-        entry.lose_friction(ints, reals)
-        hold_feet(self.scene, built)
-        for attempt in range(2):
-            status = continuation.first_of(block, ways)
-            if status != at.OK:
-                line, arc = built.where(min(block.failed_node, built.nodes - 1))
-                advice = without_shape(self.scene) + held_by_nothing(self.scene)
-                advice += branches_in_a_circle(self.scene)
-                raise StaticsError(
-                    f"no static equilibrium of the system was found; what moved last is {line!r} "
-                    f"at {arc:g} m. Check weights, lengths and attachments{advice}"
-                )
-            # The new stiffness changes the forces by a little: the state must meet them.
-            if attempt or not entry.stabilise(ints, reals):
+        at = Settling(np.zeros(Settling.WORDS), 0)
+        kept = np.empty(2 * len(block.image))
+        status: int = OK
+        stage, rounds, way = 0.0, 0.0, 0.0
+        while True:
+            status = entry.go_on_settling(block.ints, block.reals, status, at._words, kept)
+            if status == NO_CAPACITY:
+                block.grow()
+                kept = np.empty(2 * len(block.image))
+                continue
+            if status != SEARCH:
                 break
-        entry.stand_at_rest(ints, reals, friction)
+            if (at.stage, at.rounds) != (stage, rounds):
+                stage, rounds = at.stage, at.rounds
+                self.sought.tries(FINER[int(stage)])
+            if at.begins or at.way != way:
+                hold_feet(self.scene, built)
+            way = at.way
+            status = search.equilibrium(block, self.velocity.copy())
+        if status != OK:
+            line, arc = built.where(min(block.failed_node, built.nodes - 1))
+            advice = without_shape(self.scene) + held_by_nothing(self.scene)
+            advice += branches_in_a_circle(self.scene)
+            raise StaticsError(
+                f"no static equilibrium of the system was found; what moved last is {line!r} "
+                f"at {arc:g} m. Check weights, lengths and attachments{advice}"
+            )
 
-    def _refine_at_floor(self, built: Built) -> None:
-        """Refine a static shape where it meets the floor, and solve again from its own shape."""
-        from cablemodel.solvers import library as entry
 
-        block = built.block
-        for _turn in range(REFINEMENT_ROUNDS):
-            at_rest = image_before(block, entry.refine_at_floor)
-            if at_rest is None:
-                return
-            try:
-                self._come_to_rest(built)
-            except StaticsError:
-                block.image[:] = at_rest  # the mesh follows the floor as the run begins
-                return
+def placed(scene: SystemScene, whole: SystemScene, guess: Guess, parts: int = 1) -> Built:
+    """A block along a first shape; arguments: see Equilibria."""
+    from cablemodel.solvers import library as entry
+
+    nodes = {name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines}
+    water = sea(scene)
+    if water is not None:
+        for name, line in scene.lines.items():
+            accuracy = scene.solver.tolerance * line.length
+            cables = [item.cable for item in line.items if item.cable is not None]
+            nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
+    built = filled(scene, tree_of(scene, nodes), guess, settings=whole)
+    block = built.block
+    entry.place_on_shape(block.ints, block.reals, guess.table())
+    sea_floor.fill(block, whole)
+    block.header.sleep = 0
+    entry.place_supports(block.ints, block.reals)
+    return built
+
+
+def first_along(scene: SystemScene) -> tuple[Built, FloatArray]:
+    """A block along its first shape, and that as the kernels know it, whose ends know their rows of
+    the block's constraints."""
+    guess = first_guess(scene, steady_velocity(scene))
+    built = placed(scene, scene, guess)
+    rows = {
+        (held.line, int(held.end is scene.lines[held.line].end)): row
+        for row, held in enumerate(built.tree.held)
+    }
+    return built, shape_of(scene, steady_velocity(scene), rows)
 
 
 def _failures_pass(built: Built | None) -> suppress:

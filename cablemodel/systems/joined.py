@@ -48,7 +48,7 @@ def joined(scene: SystemScene, rest: Built | None, starts: list[tuple[Lay, Block
     nodes |= {lay.line: _nodes_alone(lay, block) for lay, block in starts}
     tree = tree_of(scene, nodes)
     axes = {name: axes_of(body.attitude) for name, body in scene.bodies.items()}
-    built = filled(scene, tree, Guess({}, {}, {}, axes), None, settings=scene)
+    built = filled(scene, tree, Guess({}, {}, {}, axes), settings=scene)
     block = built.block
     sea_floor.fill(block, scene)
     block.header.sleep = 0

@@ -43,7 +43,12 @@ from cablemodel.solvers.finite_element.start.frame import earth
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.curves import bends, crossing, way_along
 from cablemodel.solvers.shared.layout import Header
-from cablemodel.solvers.shared.numbers import END_BEND, RELATIVE_ROUNDING
+from cablemodel.solvers.shared.numbers import (
+    END_BEND,
+    REFINEMENT_BENT,
+    REFINEMENT_ROUNDS,
+    RELATIVE_ROUNDING,
+)
 from cablemodel.systems.guess import held_place
 from cablemodel.systems.scene import SystemScene, SystemWinch
 
@@ -149,7 +154,7 @@ def _to_anchor(scene: Scene, anchor: Place) -> Block:
     bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
     if bow is None:
         return _pulled(held, from_scene.drawn_to(block, np.asarray(anchor)))
-    for _round in range(refinement.REFINEMENT_ROUNDS):
+    for _round in range(REFINEMENT_ROUNDS):
         if bow is None or not _halved(block, scene, foot, *bow):
             break
         bow = _bow(block, scene, foot, np.asarray(anchor), stretch)
@@ -168,7 +173,7 @@ def _halved(block: Block, scene: Scene, foot: int, places: FloatArray, slopes: F
     jumps = np.linalg.norm(first[1:] - last[:-1], axis=1)
     jump = np.maximum(np.append(jumps, 0.0), np.insert(jumps, 0, 0.0))
     jump[-1] = max(jump[-1], END_BEND * float(np.linalg.norm(first[-1] - last[-1])))
-    allowed = refinement.REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
+    allowed = REFINEMENT_BENT * scene.solver.tolerance * scene.line_length
     bent = np.zeros(int(block.header.nodes))
     bent[foot + 1 : foot + 1 + len(h)] = h**2 * jump
     halved = refinement.image_before(block, lambda i, m: entry.halve_bent(i, m, bent, allowed))

@@ -104,16 +104,17 @@ def memory_of_bodies(scene: SystemScene) -> float:
 
 def tension_scale(scene: SystemScene) -> float:
     """A typical tension of the system [N]."""
-    gravity = scene.environment.gravity
-    total = 0.0
+    gravity, total = scene.environment.gravity, 0.0
     for line in scene.lines.values():
-        for item in line.items:
-            if item.cable is not None:
-                kind = scene.cable_types[item.cable.type]
-                weight = kind.typical_weight(gravity)
-                total += weight * item.cable.length
-            elif item.body is not None:
-                total += abs(item.body.submerged_weight)
+        for cable in (item.cable for item in line.items if item.cable is not None):
+            total += scene.cable_types[cable.type].typical_weight(gravity) * cable.length
+    return total + tension_of_bodies(scene)
+
+
+def tension_of_bodies(scene: SystemScene) -> float:
+    """What bodies add to that, with a least [N]."""
+    items = [item for line in scene.lines.values() for item in line.items]
+    total = sum(abs(item.body.submerged_weight) for item in items if item.body is not None)
     total += sum(abs(body.weight_in(scene.environment)) for body in scene.bodies.values())
     speed = float(np.linalg.norm(steady_velocity(scene)))
     rho = scene.environment.water_density

@@ -31,7 +31,7 @@ from cablemodel.systems.lines import (
     bends_at,
     memory_of_bodies,
     mesh_may_change,
-    tension_scale,
+    tension_of_bodies,
 )
 from cablemodel.systems.motion import axes_of, turning
 from cablemodel.systems.scene import FreeBody, Hull, RaoPoint, SystemScene
@@ -94,12 +94,10 @@ def allocated(scene: SystemScene, tree: Tree) -> Built:
     return Built(scene, block, tree)
 
 
-def filled(
-    scene: SystemScene, tree: Tree, guess: Guess, before: Built | None, *, settings: SystemScene
-) -> Built:
+def filled(scene: SystemScene, tree: Tree, guess: Guess, *, settings: SystemScene) -> Built:
     """A block for a tree, with all that scene and guess say of it but places and floor.
 
-    before: on coarser nodes, whose bodies it has; settings: the scene whose scales it has.
+    settings: the scene whose scales it has.
     """
     from cablemodel.solvers import library as entry
 
@@ -109,7 +107,7 @@ def filled(
     fill_cables(scene, built)
     fill_frames(scene, block)
     fill_held(scene, built)
-    fill_bodies(scene, built, guess, before)
+    fill_bodies(scene, built, guess)
     fill_closures(scene, built)
     fill_cuts(scene, built)
     fill_winches(scene, built)
@@ -125,14 +123,12 @@ def facts_of_system(scene: SystemScene) -> FloatArray:
     mass = math.fsum(body.mass for body in scene.bodies.values())
     items = [item for line in scene.lines.values() for item in line.items]
     for item in items:
-        if item.cable is not None:
-            mass += scene.cable_types[item.cable.type].mass * item.cable.length
-        elif item.body is not None:
+        if item.body is not None:
             mass += item.body.mass
     words = np.zeros(at.FACT_WORDS)
     facts = at.LineFacts(words, 0)
     facts.mass = mass
-    facts.tension = tension_scale(scene)
+    facts.tension = tension_of_bodies(scene)
     facts.memory = memory_of_bodies(scene)
     facts.follows = mesh_may_change(scene)
     facts.above_floor = scene.environment.floor is not None
@@ -146,7 +142,7 @@ def lengths_of(scene: SystemScene, tree: Tree | None = None) -> FloatArray:
     """Rows of CableLength: the cables of each line from its beginning, then those on each drum as
     they leave it. tree: whose cable table has them; without one they are in no table."""
     found = []
-    gravity = max(scene.environment.gravity, 1.0)
+    gravity = scene.environment.gravity
     for number, line in enumerate(scene.lines.values()):
         for cable in (item.cable for item in line.items if item.cable is not None):
             row = _length_row(scene, cable, number, -1)
@@ -207,6 +203,7 @@ def fill_cables(scene: SystemScene, built: Built) -> None:
         row[at.Cable.displaced] = rho * 0.25 * math.pi * kind.diameter**2
         row[at.Cable.row] = list(scene.lines).index(segment.line)
         row[at.Cable.backward] = segment.backward
+        row[at.Cable.counted] = cable.elements is not None
         row[at.Cable.chain] = segment.chain
         row[at.Cable.leaves] = segment.end
         row[at.Cable.hinge] = segment.hinged
@@ -409,7 +406,7 @@ def _inertia(mass: tuple[float, ...], turning: tuple[float, ...], place: FloatAr
     return np.block([[m, -m @ c], [c @ m, np.diag(turning) - c @ m @ c]])
 
 
-def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | None) -> None:
+def fill_bodies(scene: SystemScene, built: Built, guess: Guess) -> None:
     """Rows of the free bodies, their arms and foils."""
     block, tree = built.block, built.tree
     rho, gravity = scene.environment.water_density, scene.environment.gravity
@@ -420,7 +417,7 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
     used = tabled = 0
     names = list(scene.bodies)
     edges = block.array(Header.edges, len(tree.parent), at.EDGE_WORDS)
-    for index, (row, (name, body)) in enumerate(zip(rows, scene.bodies.items(), strict=True)):
+    for row, (name, body) in zip(rows, scene.bodies.items(), strict=True):
         node, point = tree.bodies[name]
         reference = np.array(body.place(point))
 
@@ -452,9 +449,6 @@ def fill_bodies(scene: SystemScene, built: Built, guess: Guess, before: Built | 
         added = _inertia(body.added_mass, body.added_inertia, water)
         row[at.FreeBody.added.span] = added.ravel()
         row[at.FreeBody.rotation.span] = guess.axes[name].ravel()
-        if before is not None:
-            old = before.block.array(Header.free_bodies, len(scene.bodies), at.FREE_WORDS)[index]
-            row[at.FreeBody.rotation.span] = at.FreeBody(old, 0).motion.turn
         row[at.FreeBody.first_foil], row[at.FreeBody.foil_count] = used, len(body.foils)
         for foil in body.foils.values():
             wing = foils[used]

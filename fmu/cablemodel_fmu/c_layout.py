@@ -91,11 +91,11 @@ def start_constants() -> dict[str, float]:
     from cablemodel_fmu.signals import LARGEST
 
     return {
-        "BENT": refinement.REFINEMENT_BENT,
+        "BENT": numbers.REFINEMENT_BENT,
         "FAR_TOO_BENT": refinement.FAR_TOO_BENT,
         "LARGE_STRAIN": scales.LARGE_STRAIN,
-        "LARGEST_STATIC_MESH": refinement.LARGEST_STATIC_MESH,
-        "REFINEMENTS": refinement.REFINEMENT_ROUNDS,
+        "LARGEST_STATIC_MESH": numbers.LARGEST_STATIC_MESH,
+        "REFINEMENTS": numbers.REFINEMENT_ROUNDS,
         "SLOWEST": stability.SLOWEST,
         "FEW_STEPS": continuation.FEW_STEPS,
         "PROMISE": numbers.PROMISE,

@@ -44,6 +44,7 @@ from cablemodel_fmu.model_file import ModelFile
 from cablemodel_fmu.parts import coefficients as system_coefficients
 from cablemodel_fmu.parts import (
     fastest_vessel,
+    first_shape,
     is_movable,
     longest_arm,
     ports_of,
@@ -273,6 +274,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
     signals = signals_of(scene, options.stations, values, constants)
     signals = with_nominals(signals, scene, tension, speed, longest_arm(scene))
     guid = _guid(scene, options)
+    shape, first = first_shape(scene)
     model = ModelFile(
         guid=guid,
         block=block,
@@ -292,6 +294,8 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         pinned=True,
         estimate=scene.solver.error_estimate,
         system=section(scene, start.built, values[1]),
+        shape=shape,
+        first=first,
     )
     beside = _beside_system(start, model, values[1]) if model.estimate else None
     description = "Ocean cables between vessels and bodies"
@@ -369,8 +373,14 @@ def _beside_system(start: SystemModel, model: ModelFile, by: int) -> bytes:
             "estimated by has no start"
         )
     built = start.finer.built
+    shape, first = first_shape(built.scene)
     beside = replace(
-        model, block=built.block, system=section(built.scene, built, by), estimate=False
+        model,
+        block=built.block,
+        system=section(built.scene, built, by),
+        estimate=False,
+        shape=shape,
+        first=first,
     )
     return beside.to_bytes()
 

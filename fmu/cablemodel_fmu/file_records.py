@@ -1,7 +1,8 @@
 """Records of model files, model.bin and finer.bin: 64-bit little-endian words.
 
 Python writes them (model_file.py, parts.py), C reads them: c_layout.py makes structs of them. A
-file is a FileHeader, a Parameter for each, a system's section, and the image of a block.
+file is a FileHeader, a Parameter for each, a system's section, and the image of a block; of a
+system whose start may be set its first shape, and the block along that before it came to rest.
 """
 
 from cablemodel.solvers.shared.layout import FACT_WORDS
@@ -31,7 +32,9 @@ class FileHeader(Record):
     frame = reals(3, "velocity of the static equilibrium, block's coordinates", "m/s")
     _spare_1 = spare(3)
     facts = reals(FACT_WORDS, "of the line as a whole: LineFacts")
-    _spare_2 = spare(4)
+    shape_words = integer("of a system's first shape, a FirstShape; 0: there is none")
+    first_words = integer("and of the image of the block from which that leads to a start")
+    _spare_2 = spare(2)
 
 
 class Parameter(Record):

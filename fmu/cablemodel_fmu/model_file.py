@@ -58,6 +58,10 @@ class ModelFile:
     """Whether finer.bin is beside it."""
     system: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype="<i8"))
     """The section of a system (cablemodel_fmu/parts.py); empty for a scene of one line."""
+    shape: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    """The first shape of a system whose start may be set; else empty."""
+    first: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype="<i8"))
+    """The image of its block from there; else empty."""
 
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
@@ -76,9 +80,12 @@ class ModelFile:
         header["facts"][: len(self.facts)] = self.facts
         rows = np.array([_row(item) for item in self.coefficients], dtype_of(Parameter))
         header["system_words"] = len(self.system)
+        header["shape_words"], header["first_words"] = len(self.shape), len(self.first)
         words = len(rows) * Parameter.WORDS + len(self.system) + len(image)
+        words += len(self.shape) + len(self.first)
         header["words"] = FileHeader.WORDS + words
-        parts = rows, self.system, image.astype("<i8")
+        along = self.shape.astype("<f8"), self.first.astype("<i8")
+        parts = rows, self.system, image.astype("<i8"), *along
         behind = b"".join(part.tobytes() for part in parts)
         summed = 8 * FileHeader.kernels.word  # what the checksum is of begins there
         header["checksum"] = zlib.crc32(header.tobytes()[summed:] + behind)

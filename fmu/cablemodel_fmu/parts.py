@@ -16,6 +16,7 @@ from cablemodel.scene.line import Cable
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.record import dtype_of
 from cablemodel.systems.built import Built
+from cablemodel.systems.equilibrium import first_along
 from cablemodel.systems.guess import standing
 from cablemodel.systems.motion import first_angles, turning
 from cablemodel.systems.scene import SystemScene
@@ -277,6 +278,15 @@ def section(scene: SystemScene, built: Built, by: int) -> NDArray[np.int64]:
     return np.concatenate(
         [np.array([len(names)], dtype="<i8"), *rows, np.array(segments, dtype="<i8")]
     )
+
+
+def first_shape(scene: SystemScene) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """First shape of a system, and the image of its block along that; nothing where its start may
+    not be set."""
+    if not is_movable(scene):
+        return np.zeros(0), np.zeros(0, dtype=np.int64)
+    built, shape = first_along(scene)
+    return shape, built.block.image.copy()
 
 
 def _row(signal: Signal) -> NDArray[np.int64]:

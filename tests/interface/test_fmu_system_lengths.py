@@ -70,6 +70,10 @@ def stored(name: str) -> cm.SystemScene:
     return cm.load_system(SCENES / f"{name}.yaml")
 
 
+def job(name: str) -> cm.SystemScene:
+    return cm.load_system(SCENES.parents[1] / "docs" / "jobs" / f"{name}.yaml")
+
+
 def hoisted(rate: float = 0.5) -> cm.SystemScene:
     """A load on a line that is told from there, and ends at a winch with a weight and a rope on its
     drum, of counted elements."""
@@ -149,6 +153,10 @@ CASES: dict[str, Any] = {
     "half of that": (lambda: still(cuts={}), {"wire": 0.5}),
     "clamps, foils and waves": (tow, {"port": 1.1, "tail": 0.7, "hoist": 1.1}),
     "chains on the floor": (moored, {"bow": 1.05}),
+    "slack chains on the floor": (moored, {"bow": 1.13, "aft": 1.13}),
+    "a slack leg of a bridle": (lambda: job("bridle"), {"port": 1.247, "starboard": 0.986}),
+    "slack warps": (lambda: stored("otter_boards"), {"port_warp": 1.4, "starboard_warp": 1.4,
+                                                     "rope": 1.4}),
     "friction on chains": (lambda: stored("buoy_on_three_legs"), {"a": 0.95}),
     "a bridle": (lambda: stored("bridle_tow"), {"port": 1.05, "starboard": 1.05}),
     "otter boards": (lambda: stored("otter_boards"), {"port_warp": 0.95}),
@@ -353,7 +361,7 @@ READY: dict[str, tuple[float, ...]] = {
     "cage_and_vehicle": (),
     "cage_on_its_winch": (),
     "depressor": (),
-    "otter_boards": (1.2, 1.4, 1.5),
+    "otter_boards": (1.2,),
     "streamer": (),
 }
 """Ready scenes, and by how much longer all their lines are where they swing up by themselves."""

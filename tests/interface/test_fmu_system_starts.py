@@ -356,15 +356,19 @@ def test_where_friction_holds_a_body_the_start_is_the_scenes(tmp_path: Path) -> 
         slave.close()
 
 
-def test_a_start_that_bends_more_than_elements_follow_is_warned_of(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("counted", "warned"), [(("tow", "port", "starboard"), 1), (("tow",), 0)])
+def test_a_start_that_bends_more_than_elements_follow_is_warned_of(
+    counted: tuple[str, ...], warned: int, tmp_path: Path
+) -> None:
     """A tug that crabs by 20 degrees hangs on one leg of its bridle; the other one is slack. Where
-    the scene counts elements they stay."""
+    the scene counts a line's elements they stay."""
     data = cm.load_system(SCENES / "bridle_tow.yaml").to_dict()
-    data["lines"]["tow"]["items"][0]["cable"]["elements"] = 8
+    for name in counted:
+        data["lines"][name]["items"][0]["cable"]["elements"] = 8
     with unpacked(cm.load_system(data), tmp_path, stations=STATIONS) as found:
         slave = Slave(*found, **{"tug.start_attitude": (0, 0, 0.35)})
-        assert [status for status, _ in slave.messages] == [1]
-        assert "the line bends" in slave.messages[0][1]
+        assert [status for status, _ in slave.messages] == [1] * warned
+        assert all("the line bends" in said for _, said in slave.messages)
         slave.close()
 
 

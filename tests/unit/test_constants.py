@@ -81,14 +81,14 @@ def test_a_constant_is_found_with_what_the_code_says_of_it(
         found["solvers/finite_element/kernels/mesh/touchdown_mesh.py", "JOIN_BELOW"].effect
         == "of the length wanted"
     )
-    assert found["solvers/finite_element/start/refinement.py", "REFINEMENT_BENT"].effect.startswith(
-        "Of tau L: what h^2 times"
+    assert found["solvers/finite_element/start/refinement.py", "FAR_TOO_BENT"].effect.startswith(
+        "Times REFINEMENT_BENT, from where on"
     )
     assert ("solvers/shared/layout.py", "EDGE_WORDS") not in found
     assert ("solvers/finite_element/kernels/element/element_planar.py", "R") not in found
     assert found["solvers/shared/layout.py", "LIGHT_DAMPING"].value == "10"
     assert ("solvers/shared/layout.py", "MOTIONS") not in found
-    assert found["systems/guess.py", "BALANCED"].value == "0.01"
+    assert found["systems/guess.py", "STANDS_WITHIN"].value == "0.05"
     in_c = found["fmu/cablemodel_fmu/c/system_start.c", "SMALLEST_PART"]
     assert (in_c.value, in_c.effect) == ("0.015625", "of the way, where larger ones fail")
     assert found["fmu/cablemodel_fmu/c/fmi2.c", "ZERO_STEPS"].value == "10"

@@ -281,13 +281,13 @@ def test_check_lists_it(tmp_path) -> None:
 
 
 def growing_by_kernel(model: SystemModel) -> tuple[int, int]:
-    """What `count_growing` and `count_swinging` say of a system's state."""
+    """What `count_growing` and `count_leaving` say of a system's state."""
     block = model.built.block
     kept, least = block.image.copy(), slowest_growth(block)
     held = library.count_growing(block.ints, block.reals, least)
     block.image[:] = kept
-    work = np.zeros(library.count_swinging(block.ints, block.reals, least, np.zeros(1)))
-    growing = library.count_swinging(block.ints, block.reals, least, work)
+    work = np.zeros(library.count_leaving(block.ints, block.reals, least, np.zeros(1)))
+    growing = library.count_leaving(block.ints, block.reals, least, work)
     block.image[:] = kept
     return held, growing
 

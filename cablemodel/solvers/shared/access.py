@@ -28,6 +28,7 @@ from cablemodel.solvers.shared.layout import (
     ElementTension,
     Energies,
     FirmHold,
+    FirstShape,
     FloorPlace,
     Foil,
     FoilRow,
@@ -49,10 +50,15 @@ from cablemodel.solvers.shared.layout import (
     Polynomial,
     Rate,
     Scalars,
+    Settling,
     SpatialElement,
     StartMove,
     Station,
     StepInputs,
+    StringBody,
+    StringEnd,
+    StringItem,
+    StringLine,
     Summary,
     WaveResponse,
     Winch,
@@ -91,6 +97,10 @@ line_facts_at = record_at(LineFacts)
 cable_length_at = record_at(CableLength)
 start_move_at = record_at(StartMove)
 firm_hold_at = record_at(FirmHold)
+first_shape_at = record_at(FirstShape)
+settling_at = record_at(Settling)
+string_line_at, string_item_at = record_at(StringLine), record_at(StringItem)
+string_body_at, string_end_at = record_at(StringBody), record_at(StringEnd)
 sea_layer_at = record_at(Layer)
 tension_of, tension_at = row_of(ElementTension, Header.tension), record_at(ElementTension)
 tension_rate_of = row_of(ElementTension, Header.tension_rate)

@@ -448,6 +448,7 @@ class Cable(Record):
     tension = real("largest so far in it, in a system; at least that line's weight", "N")
     row = real("of that line in the table of lines")
     backward = real("1: the tree goes along it from that line's end to its beginning")
+    counted = real("1: the scene counts its elements, which a start leaves as they are")
     edge = part(Edge, "of its elements")
 
 
@@ -986,6 +987,90 @@ class FirmHold(Record):
 
 
 FIRM_HOLD_WORDS = FirmHold.WORDS
+
+
+class Settling(Record):
+    """How a system comes to rest from where its nodes are: settling.go_on_settling."""
+
+    begun = real("1: it has been")
+    begins = real("1: the equilibrium that is to be found next is the first on its elements")
+    stage = real("0: on the elements that it has; AT_BENDS, AT_FLOOR: those that are shortened")
+    rounds = real("times that elements were halved at that stage")
+    way = real("0: at once, 1 and more: on floors that harden, those of a row")
+    floor = real("which of them")
+    depth = real("of the contact layer", "m")
+    friction = real("of the floor, which a start is sought without")
+    stabilised = real("1: with the elements' stabilisation of what was found")
+
+
+SETTLING_WORDS = Settling.WORDS
+AT_BENDS, AT_FLOOR, SETTLED = 1, 2, 3  # stages
+
+
+class FirstShape(Record):
+    """Where the parts of a system are at first: strings of masses (kernels/start/strings.py).
+
+    Behind it: rows of its lines, of what each of them is made of, of bodies, of both ends of each
+    line; three random numbers, the arc length and the place of each mass.
+    """
+
+    lines = real("how many there are")
+    items = real("cables and point bodies of all lines, in the order of each")
+    bodies = real("free bodies")
+    most = real("masses that there is room for")
+    gravity = real("acceleration", "m/s2")
+    flow = reals(3, "velocity of the water, on the average", "m/s")
+    velocity = reals(3, "of the frame in which all is at rest", "m/s")
+    aside = real("1: lines are drawn aside")
+
+
+SHAPE_WORDS = FirstShape.WORDS
+
+
+class StringLine(Record):
+    """A line of a first shape."""
+
+    first = real("its first mass")
+    count = real("how many it has")
+    way = reals(3, "horizontal, across it")
+
+
+class StringItem(Record):
+    """A cable of a line of a first shape, or a point body in it."""
+
+    line = real("number of that")
+    body = real("1: it is a point body")
+    length = real("of a cable", "m")
+    weight = real("in water, of a cable for each metre", "N")
+    drag = real("1/2 rho CdA, of a cable for each metre", "kg/m")
+    mass = real("of a cable", "kg/m")
+
+
+class StringBody(Record):
+    """A free body in a first shape."""
+
+    weight = real("in water", "N")
+    drag = real("1/2 rho CdA", "kg/m")
+    middle = real("height of its hull's middle above its origin", "m")
+    half = real("half of the hull's height", "m")
+    lift = real("weight of what the hull displaces; 0: it has none", "N")
+    given = real("1: the scene says where it is, 2: it stands there on the floor")
+    place = reals(3, "that place", "m")
+
+
+class StringEnd(Record):
+    """An end of a line of a first shape: both of a line follow on each other."""
+
+    kind = real("STRING_...")
+    other = real("that body or line; of what is held the row of the constraint")
+    arc = real("arc length on that line", "m")
+    place = reals(3, "where it is held, or its place from the body's origin", "m")
+
+
+STRING_LINE_WORDS, STRING_ITEM_WORDS = StringLine.WORDS, StringItem.WORDS
+STRING_BODY_WORDS, STRING_END_WORDS = StringBody.WORDS, StringEnd.WORDS
+STRING_FREE, STRING_HELD, STRING_AT_BODY, STRING_ON_LINE = 0, 1, 2, 3
+STRING_PARTS = 12  # strings that a line without branches is made of
 
 
 class MotionChange(Record):

@@ -10,6 +10,14 @@ const int64_t *initial_image(const Cable *cable) {
     return (const int64_t *)(cable->parameters + cable->parameter_count) + file_header(cable->file)->system_words;
 }
 
+/* The first shape of a system whose start may be set, and the image of its block along that. */
+const double *first_shape(const Cable *cable) {
+    return (const double *)(initial_image(cable) + file_header(cable->file)->image_words);
+}
+const int64_t *first_image(const Cable *cable) {
+    return (const int64_t *)(first_shape(cable) + file_header(cable->file)->shape_words);
+}
+
 void outputs_changed(Cable *cable) {
     cable->summary_current = cable->stations_current = cable->errors_current = 0;
     cable->rate_current = 0;
@@ -545,12 +553,17 @@ static void tune(Cable *cable, const Parameter *p, double value) {
     header(cable->I)->factored = 0;
 }
 
-/* The exported state with the coefficients that are set. */
-void restore_exported(Cable *cable) {
-    take_exported(cable);
+/* The coefficients that are set, in a block that has the scene's. */
+void tune_all(Cable *cable) {
     for (int64_t n = 0; n < cable->parameter_count; n++)
         if (cable->values[n] != cable->parameters[n].start)
             tune(cable, &cable->parameters[n], cable->values[n]);
+}
+
+/* The exported state with those. */
+void restore_exported(Cable *cable) {
+    take_exported(cable);
+    tune_all(cable);
 }
 
 static const char *check_range(Cable *cable, double value, double minimum, double maximum) {

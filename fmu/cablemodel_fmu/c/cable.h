@@ -122,11 +122,13 @@ int64_t cablemodel_tension_from_stretch(void *block, int64_t words);
 int64_t cablemodel_refine_at_floor(void *block, int64_t words);
 int64_t cablemodel_halve_bent(void *block, int64_t words, double *bends, int64_t n, double allowed);
 int64_t cablemodel_measure_bends(void *block, int64_t words, double *out, int64_t n);
+int64_t cablemodel_go_on_settling(void *block, int64_t words, int64_t status, double *at, int64_t n, double *kept,
+                                  int64_t m);
+int64_t cablemodel_find_first_shape(void *block, int64_t words, double *shape, int64_t n, double *work, int64_t m);
+int64_t cablemodel_place_on_shape(void *block, int64_t words, double *shape, int64_t n);
 int64_t cablemodel_begin_to_hold(void *block, int64_t words, double *hold, int64_t n);
 int64_t cablemodel_go_on_holding(void *block, int64_t words, int64_t status, double *hold, int64_t n, double *before,
                                  int64_t m);
-int64_t cablemodel_lose_friction(void *block, int64_t words);
-int64_t cablemodel_stand_at_rest(void *block, int64_t words, double friction);
 int64_t cablemodel_stabilise(void *block, int64_t words);
 int64_t cablemodel_place_supports(void *block, int64_t words);
 int64_t cablemodel_bodies(void *block, int64_t words, double *out, int64_t m);
@@ -198,6 +200,7 @@ double direct_failure(const Cable *cable, int64_t status, const char **problem,
 /* system.c */
 static inline int is_system(const int64_t *I) { return !is_direct(I) && header(I)->parts != 0; }
 const char *check_parts(const int64_t *I);
+const char *check_first_shape(const Cable *cable);
 const char *load_system(Cable *cable, const int64_t *section, int64_t words, const int64_t *image);
 void free_system(System *system);
 int reserve_elements(Cable *cable, int64_t capacity);
@@ -237,6 +240,7 @@ void explain_in_system(const Cable *cable, const char *problem, const char *advi
 const char *load_cable(Cable *cable, const char *resource_location, const char *guid);
 void free_cable(Cable *cable);
 const char *check_block(const int64_t *I, int64_t image_words, int64_t block_words);
+int same_sizes(const int64_t *image, const int64_t *own);
 int check_winches(const int64_t *I, int64_t cables, int64_t nodes);
 uint32_t checksum(const void *data, size_t bytes);
 
@@ -245,13 +249,17 @@ int reserve(Cable *cable, int64_t words, int64_t capacity);
 int make_room(Cable *cable, int64_t capacity);
 int grow(Cable *cable);
 void lay_out_as(Cable *cable, const int64_t *image);
+void take_image(Cable *cable, const int64_t *image);
 void take_exported(Cable *cable);
 int64_t step_block(Cable *cable, double t_end, double *inputs);
 
 /* cable.c */
 const int64_t *initial_image(const Cable *cable);
+const double *first_shape(const Cable *cable);
+const int64_t *first_image(const Cable *cable);
 void outputs_changed(Cable *cable);
 void restart_cable(Cable *cable);
+void tune_all(Cable *cable);
 void restore_exported(Cable *cable);
 double cable_time(const Cable *cable);
 int is_beside(const Cable *cable);
@@ -313,6 +321,7 @@ void judge_shape(Cable *cable, const Shape *before, double bent);
 int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity);
 int64_t *copy_of_image(const Cable *cable);
 void give_back(Cable *cable, const int64_t *image);
+int64_t count_growing(Cable *cable);
 const char *judge_growth(Cable *cable, const char *changed);
 const char *settle_cable(Cable *cable);
 

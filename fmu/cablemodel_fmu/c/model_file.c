@@ -113,6 +113,14 @@ static int check_edge(const int64_t *I, const double *edge) {
            whole(AS(Edge, edge)->segment, 0, header(I)->cable_count - 1);
 }
 
+/* Whether two images are of one scene, by what there is in them, with whatever room for nodes. */
+int same_sizes(const int64_t *image, const int64_t *own) {
+    static const int64_t sizes[] = {SIZE_WORDS};
+    for (size_t n = 0; n < sizeof sizes / sizeof sizes[0]; n++)
+        if (sizes[n] != WORD(Header, capacity) && image[sizes[n]] != own[sizes[n]]) return 0;
+    return 1;
+}
+
 int check_winches(const int64_t *I, int64_t cables, int64_t nodes) {
     for (int64_t n = 0; n < header(I)->winch_count; n++) {
         const Winch *row = winch_of(I, n);
@@ -275,9 +283,10 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
         !within(cable->image_words, 1, count) || !within(cable->block_words, 1, LARGEST_FILE / 8))
         return "a size is out of range";
     const int64_t row = (int64_t)(sizeof(Parameter) / 8);
-    if (!within(file->system_words, 0, count) ||
+    if (!within(file->system_words, 0, count) || !within(file->shape_words, 0, count) ||
+        !within(file->first_words, 0, count) || (file->shape_words > 0) != (file->first_words > 0) ||
         (int64_t)(sizeof *file / 8) + row * cable->parameter_count + file->system_words +
-                cable->image_words != count)
+                cable->image_words + file->shape_words + file->first_words != count)
         return "the sizes do not agree";
     if (!all_finite(file->inputs, VR_INPUTS) || !all_finite(file->frame, 3))
         return "a start value is not finite";
@@ -293,6 +302,10 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
     problem = check_parameters(cable, image);
     if (problem != NULL) return problem;
     if (is_system(image) != (file->system_words > 0)) return "the sizes do not agree";
+    if (file->shape_words > 0) {
+        problem = is_system(image) ? check_first_shape(cable) : "the sizes do not agree";
+        if (problem != NULL) return problem;
+    }
     if (is_system(image))
         return load_system(cable, image - file->system_words, file->system_words, image);
     cable->bodies = is_direct(image) ? own_header(image)->body_count : header(image)->body_count;

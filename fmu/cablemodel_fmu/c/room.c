@@ -76,12 +76,13 @@ void lay_out_as(Cable *cable, const int64_t *image) {
     memset(cable->I + first, 0, 8 * (size_t)(cable->block_words - first));
 }
 
-/* The block as it was exported. */
-void take_exported(Cable *cable) {
-    const int64_t *image = initial_image(cable);
+/* The block as an image has it, for which there is memory. */
+void take_image(Cable *cable, const int64_t *image) {
     lay_out_as(cable, image);
     memcpy(cable->I, image, 8 * (size_t)cable->image_words);
 }
+
+void take_exported(Cable *cable) { take_image(cable, initial_image(cable)); }
 
 /* A step of the block; memory grows where it must, and the step is made again. On failure the state is
    as it was. */

@@ -100,7 +100,6 @@ void write_state(const Cable *cable, const void *state, char *bytes) {
 
 /* NULL if an image that so many words are left for is one of this block, of whatever room. */
 static const char *check_image(const Cable *cable, const int64_t *image, int64_t left) {
-    static const int64_t sizes[] = {SIZE_WORDS};
     const int64_t *own = initial_image(cable);
     if (left < HEADER_WORDS + SCALAR_WORDS || header(image)->magic != header(own)->magic)
         return "the state is corrupted";
@@ -108,10 +107,7 @@ static const char *check_image(const Cable *cable, const int64_t *image, int64_t
         return left < cable->image_words || words_of(image) != cable->image_words
                    ? "the state is corrupted"
                    : check_block(image, cable->image_words, cable->block_words);
-    for (size_t n = 0; n < sizeof sizes / sizeof sizes[0]; n++)
-        if (sizes[n] != WORD(Header, capacity) && image[sizes[n]] != own[sizes[n]])
-            return "the state is corrupted";
-    if (words_of(image) > left || is_system(image) != is_system(own)) return "the state is corrupted";
+    if (!same_sizes(image, own) || words_of(image) > left || is_system(image) != is_system(own)) return "the state is corrupted";
     return check_block(image, words_of(image), header(image)->byte_count / 8);
 }
 

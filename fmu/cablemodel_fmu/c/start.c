@@ -34,8 +34,8 @@ static int64_t halve_bent(Cable *cable) {
     return found;
 }
 
-/* Finer where lines bend too much, or where they meet the floor, and at rest again: _refined of
-   cablemodel/systems/equilibrium.py, start/refinement.py. What fails leaves the mesh to the run. */
+/* Finer where a line bends too much, or where it meets the floor, and at rest again: start/refinement.py.
+   What fails leaves the mesh to the run. */
 int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), double *velocity) {
     for (int round = 0; round < REFINEMENTS; round++) {
         if (!at_floor && header(cable->I)->nodes > LARGEST_STATIC_MESH) break;
@@ -70,7 +70,7 @@ void give_back(Cable *cable, const int64_t *image) {
 
 /* How many small motions about a start grow by themselves, as `stays` of
    cablemodel/solvers/finite_element/start/unstable_start.py looks at it. 0: none; -1: it cannot be told. */
-static int64_t count_growing(Cable *cable) {
+int64_t count_growing(Cable *cable) {
     const double rate = SLOWEST / scalars(cable->M)->period;
     double frame[3], none[1];
     const int64_t words = cablemodel_count_leaving(cable->I, cable->block_words, rate, none, 0);

@@ -79,6 +79,53 @@ const char *check_parts(const int64_t *I) {
 }
 
 
+/* The first shape, and the image of the block along it. */
+const char *check_first_shape(const Cable *cable) {
+    const double *words = first_shape(cable);
+    const int64_t *own = initial_image(cable), *I = first_image(cable);
+    const int64_t count = file_header(cable->file)->shape_words;
+    const char *const wrong = "the first shape is out of range";
+    const FirstShape *shape = AS(FirstShape, words);
+    if (count < SHAPE_WORDS || !whole(shape->lines, header(own)->line_count, header(own)->line_count) ||
+        !whole(shape->bodies, header(own)->free_count, header(own)->free_count) ||
+        !whole(shape->items, 1, count) || !whole(shape->most, 2, count))
+        return wrong;
+    const int64_t lines = header(own)->line_count, bodies = header(own)->free_count;
+    const int64_t items = (int64_t)shape->items, most = (int64_t)shape->most;
+    if (SHAPE_WORDS + STRING_LINE_WORDS * lines + STRING_ITEM_WORDS * items + STRING_BODY_WORDS * bodies +
+            2 * STRING_END_WORDS * lines + 7 * most != count)
+        return wrong;
+    for (int64_t n = 0; n < count; n++)
+        if (!(fabs(words[n]) < 1e100)) return wrong;
+    int64_t masses = bodies + lines * (STRING_PARTS + 1), cables = 0, lengths = 0;
+    for (int64_t n = 0; n < items; n++) {
+        const StringItem *item = string_items(words) + n;
+        if (!whole(item->line, n == 0 ? 0 : (int64_t)item[-1].line, lines - 1) ||
+            !(item->body != 0.0 || item->length > 0.0))
+            return wrong;
+        cables += item->body == 0.0;
+    }
+    for (int64_t line = 0; line < lines; line++) { /* each has a cable */
+        int found = 0;
+        for (int64_t n = 0; n < items; n++)
+            found |= string_items(words)[n].line == (double)line && string_items(words)[n].body == 0.0;
+        if (!found) return wrong;
+    }
+    for (int64_t n = 0; n < cable->parameter_count; n++) lengths += cable->parameters[n].kind == OF_LINE;
+    for (int64_t n = 0; n < 2 * lines; n++) {
+        const StringEnd *end = string_ends(words) + n;
+        const int64_t others[] = {0, header(own)->constraint_count, bodies, lines};
+        if (!whole(end->kind, STRING_FREE, STRING_ON_LINE) ||
+            (end->kind != STRING_FREE && !whole(end->other, 0, others[(int)end->kind] - 1)))
+            return wrong;
+        masses += end->kind == STRING_ON_LINE;
+    }
+    if (masses > most || cables != lengths || !same_sizes(I, own) || !is_system(I) ||
+        header(I)->capacity > header(own)->capacity)
+        return wrong;
+    return check_block(I, file_header(cable->file)->first_words, header(I)->byte_count / 8);
+}
+
 static const char *check_section(const System *s, int64_t segments) {
     const int64_t named = named_rows(s);
     for (int64_t n = 0; n < named; n++) {

@@ -47,6 +47,17 @@ static inline int64_t first_start(const System *s) { return s->inputs + s->vesse
 static inline int64_t first_line(const System *s) { return first_start(s) + START_WORDS * s->vessels; }
 static inline int64_t named_rows(const System *s) { return first_line(s) + s->lines + s->bodies; }
 
+/* Rows of a first shape. */
+static inline StringItem *string_items(const double *shape) {
+    return AS(StringItem, shape + SHAPE_WORDS + STRING_LINE_WORDS * (int64_t)AS(FirstShape, shape)->lines);
+}
+static inline StringBody *string_bodies(const double *shape) {
+    return AS(StringBody, string_items(shape) + (int64_t)AS(FirstShape, shape)->items);
+}
+static inline StringEnd *string_ends(const double *shape) {
+    return AS(StringEnd, string_bodies(shape) + (int64_t)AS(FirstShape, shape)->bodies);
+}
+
 /* All outputs in the order of the table of variables; system_outputs.c. */
 const double *system_outputs(Cable *cable);
 

@@ -1,9 +1,10 @@
 /* Starts of a system's vessels, lengths and coefficients, set before the run, and the state that
    belongs to them.
 
-   What cablemodel/systems/build.py makes of a scene's vessels is made of other ones here, on the
-   exported elements: vessels go from where the scene has them to where they are wanted, in one part or
-   in several, lines and bodies follow, and each time the kernels find the equilibrium. */
+   It is sought as cablemodel/systems/equilibrium.py does, by the same kernels: along a first shape, and
+   along those of lines that are drawn aside. Where that finds none that stays, and before the latter
+   where lines are clamped to bodies, vessels go from where the scene has them to where they are
+   wanted, in one part or in several, and lines and bodies follow from the exported start. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -229,14 +230,23 @@ static int follow_supports(Cable *cable, double *before, double *grown) {
 
 /* -- equilibrium ------------------------------------------------------------------------------------ */
 
-/* As Equilibria._come_to_rest of cablemodel/systems/equilibrium.py, but on its floor at once. */
-static int64_t come_to_rest(Cable *cable, double velocity[3]) {
-    const double friction = scalars(cable->M)->friction;
-    cablemodel_lose_friction(cable->I, cable->block_words);
-    int64_t status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
-    if (status == OK && cablemodel_stabilise(cable->I, cable->block_words))
-        status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
-    if (status == OK) cablemodel_stand_at_rest(cable->I, cable->block_words, friction);
+/* At rest, on elements that are fine enough: as Equilibria._settle of
+   cablemodel/systems/equilibrium.py. */
+static int64_t settle(Cable *cable, double velocity[3]) {
+    double at[SETTLING_WORDS] = {0}, *kept = NULL;
+    int64_t status = OK;
+    do {
+        if (status == NO_CAPACITY && !grow(cable)) break;
+        if (kept == NULL || status == NO_CAPACITY) {
+            free(kept);
+            kept = malloc(16 * (size_t)cable->image_words);
+            if (kept == NULL) return NO_CAPACITY;
+        }
+        if (status == SEARCH) status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
+        status = cablemodel_go_on_settling(cable->I, cable->block_words, status, at, SETTLING_WORDS, kept,
+                                           2 * cable->image_words);
+    } while (status == SEARCH || status == NO_CAPACITY);
+    free(kept);
     return status;
 }
 
@@ -272,7 +282,7 @@ static int64_t go_on(Cable *cable, const Way *way, double from, double to) {
     cablemodel_place_supports(cable->I, cable->block_words); /* clamps do not turn with the line */
     free(before);
     cablemodel_restore_bending(cable->I, cable->block_words);
-    return followed ? come_to_rest(cable, velocity) : NO_CAPACITY;
+    return followed ? settle(cable, velocity) : NO_CAPACITY;
 }
 
 /* Rates of winches: 0, as a start is sought, or those of the exported state. */
@@ -304,48 +314,164 @@ static const char *name_changed(const Cable *cable, char *name, size_t size) {
     return name;
 }
 
-static const char *search(Cable *cable) {
-    const Way way = way_of(cable);
-    const Shape before = shape_of(cable);
-    double velocity[3];
-    char name[128] = "";
-    int64_t status = OK, *kept = copy_of_image(cable);
-    if (kept == NULL) return "out of memory";
-    run_winches(cable, 0);
-    if (lengths_changed(cable)) {
-        LineFacts facts;
-        memcpy(&facts, file_header(cable->file)->facts, sizeof facts);
+/* What follows from the lengths that are set, in a block with the scene's. */
+static void measure(Cable *cable) {
+    LineFacts facts;
+    memcpy(&facts, file_header(cable->file)->facts, sizeof facts);
+    if (lengths_changed(cable))
         cablemodel_measure(cable->I, cable->block_words, lengths_between(cable, 0.0, 1.0), cable->length_words,
                            (double *)&facts, FACT_WORDS);
-    }
     cablemodel_forget_stabilisation(cable->I, cable->block_words);
-    /* A line that got too long at once may be found pressed, where it would have bent. */
-    const int longer = lengths_changed(cable) && shape_of(cable).pressed == 0.0;
+}
+
+/* The first shape for what is set, into its words. Returns 0 if there is no memory. */
+static int find_first_shape(Cable *cable, double *shape, const double velocity[3], int aside) {
+    const int64_t words = file_header(cable->file)->shape_words;
+    const CableLength *length = (const CableLength *)lengths_between(cable, 0.0, 1.0);
+    memcpy(shape, first_shape(cable), 8 * (size_t)words);
+    for (StringItem *item = string_items(shape); item < (StringItem *)string_bodies(shape); item++)
+        if (item->body == 0.0) item->length = length++->length;
+    for (StringEnd *end = string_ends(shape); end < string_ends(shape) + 2 * header(cable->I)->line_count; end++)
+        if (end->kind == STRING_HELD)
+            memcpy(end->place, POSITION_OF(cable, (int64_t)constraint_of(cable, (int64_t)end->other)->node),
+                   sizeof end->place);
+    memcpy(AS(FirstShape, shape)->velocity, velocity, 3 * sizeof *velocity);
+    for (int drawn = 0; drawn <= aside; drawn++) {
+        int64_t needed = 0;
+        double none[1], *work = NULL;
+        AS(FirstShape, shape)->aside = drawn;
+        do {
+            free(work);
+            work = malloc(8 * (size_t)needed + 8);
+            if (work == NULL) return 0;
+            needed = cablemodel_find_first_shape(cable->I, cable->block_words, shape, words, needed ? work : none, needed);
+        } while (needed != 0);
+        free(work);
+    }
+    return 1;
+}
+
+/* All elements into two. */
+static int64_t halve_all(Cable *cable) {
+    int64_t status = NO_CAPACITY;
+    for (int more = 1; more && status == NO_CAPACITY; more = status != NO_CAPACITY || grow(cable)) {
+        const int64_t nodes = header(cable->I)->nodes;
+        int64_t *kept = copy_of_image(cable);
+        double *bends = malloc(8 * (size_t)nodes);
+        if (kept != NULL && bends != NULL) {
+            for (int64_t n = 0; n < nodes; n++) bends[n] = 1.0;
+            status = cablemodel_halve_bent(cable->I, cable->block_words, bends, nodes, 0.0);
+            if (status == NO_CAPACITY) give_back(cable, kept);
+        }
+        free(kept);
+        free(bends);
+        if (kept == NULL || bends == NULL) return NO_CAPACITY;
+    }
+    return status;
+}
+
+/* From a first shape, as the library begins with these lengths and starts: Equilibria._at_rest. parts: of
+   each element, of lines that are drawn aside; 0: of plain ones. */
+static int64_t begin_anew(Cable *cable, double velocity[3], int parts) {
+    double *shape = malloc(8 * (size_t)file_header(cable->file)->shape_words);
+    take_image(cable, first_image(cable));
+    tune_all(cable);
+    measure(cable);
+    const int64_t nodes = header(cable->I)->nodes;
+    double *unused = calloc((size_t)(9 * nodes), sizeof(double));
+    int64_t status = shape != NULL && unused != NULL ? OK : NO_CAPACITY;
+    if (status == OK) {
+        cablemodel_resize_lines(cable->I, cable->block_words, lengths_between(cable, 0.0, 1.0), cable->length_words,
+                                unused, 6 * nodes, unused + 6 * nodes, 3 * nodes);
+        for (int64_t n = 0; n < header(cable->I)->closure_count; n++) { /* until it is known */
+            Closure *tie = AS(Closure, cable->M + header(cable->I)->closures + n * CLOSURE_WORDS);
+            if (tie->clamp != 0.0) tie->tension = scalars(cable->M)->tension_scale;
+        }
+        place_vessels(cable, 1.0, velocity);
+        cablemodel_place_supports(cable->I, cable->block_words);
+        if (!find_first_shape(cable, shape, velocity, parts > 0)) status = NO_CAPACITY;
+    }
+    for (int n = 1; status == OK && n < parts; n *= 2)
+        if (halve_all(cable) == NO_CAPACITY) status = NO_CAPACITY;
+    if (status == OK) {
+        cablemodel_place_on_shape(cable->I, cable->block_words, shape, file_header(cable->file)->shape_words);
+        cablemodel_place_supports(cable->I, cable->block_words);
+        status = settle(cable, velocity);
+    }
+    free(shape);
+    free(unused);
+    return status;
+}
+
+/* From the exported start, in one part or in several. */
+static int64_t go_on_from_there(Cable *cable, const Way *way) {
+    int64_t status = OK, *kept = NULL;
+    restore_exported(cable);
+    run_winches(cable, 0);
+    measure(cable);
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
         const double next = fmin(1.0, done + part);
-        memcpy(kept, cable->I, 8 * (size_t)cable->image_words);
+        if (!(kept = copy_of_image(cable))) return NO_CAPACITY;
+        const int64_t capacity = header(kept)->capacity;
         if (part < 1.0) header(cable->I)->maximum_steps = FEW_STEPS; /* what is near is soon found */
-        status = go_on(cable, &way, done, next);
+        status = go_on(cable, way, done, next);
         header(cable->I)->maximum_steps = header(initial_image(cable))->maximum_steps;
-        if (status == OK && longer && shape_of(cable).pressed != 0.0) status = STATICS_FAILED;
-        if (status == OK) {
+        if (status != OK) {
+            if (header(cable->I)->capacity != capacity) lay_out_as(cable, kept);
+            give_back(cable, kept);
+            part *= 0.5;
+        } else {
             done = next;
-            continue;
         }
-        give_back(cable, kept);
-        part *= 0.5;
+        free(kept);
         if (status == NO_CAPACITY || part < SMALLEST_PART) break;
     }
-    free(kept);
+    return status;
+}
+
+/* Whether ends of lines are clamped: bodies turn along them, which a first shape does not know. */
+static int has_clamps(const Cable *cable) {
+    for (int64_t n = 0; n < header(cable->I)->closure_count; n++)
+        if (AS(Closure, cable->M + header(cable->I)->closures + n * CLOSURE_WORDS)->clamp != 0.0) return 1;
+    return 0;
+}
+
+/* The ways in which a start is sought in turn. */
+enum { PLAIN = 0, PARTS_ASIDE = 32, GO_ON = 64 };
+
+static int64_t find_by(Cable *cable, const Way *way, double velocity[3], int how) {
+    return how == GO_ON ? go_on_from_there(cable, way) : begin_anew(cable, velocity, how);
+}
+
+static const char *search(Cable *cable) {
+    const Way way = way_of(cable);
+    const Shape before = shape_of(cable);
+    const int clamped = has_clamps(cable);
+    double velocity[3];
+    char name[128] = "";
+    int64_t status = STATICS_FAILED, growing = 1;
+    int first = -1, pressed = 0;
     velocity_at(&way, 1.0, velocity);
-    if (status == OK) status = refine(cable, 0, come_to_rest, velocity);
-    if (status == OK && header(cable->I)->floor_kind != FLOOR_NONE) status = refine(cable, 1, come_to_rest, velocity);
-    const char *left = status == OK ? judge_growth(cable, name_changed(cable, name, sizeof name)) : NULL;
+    for (int how = PLAIN; how <= GO_ON && growing != 0;) {
+        const int aside = how != PLAIN && how != GO_ON;
+        if (!aside || first < 0 || pressed) {
+            status = find_by(cable, &way, velocity, how);
+            if (status == NO_CAPACITY) return "out of memory";
+            if (status == OK) {
+                growing = count_growing(cable);
+                if (first < 0) first = how, pressed = shape_of(cable).pressed != 0.0;
+            }
+        }
+        how = how == PLAIN ? (clamped ? GO_ON : 1) : how == GO_ON && clamped ? 1 : 2 * how;
+        if (clamped && how == GO_ON && aside) break;
+    }
+    if (growing != 0 && first >= 0) status = find_by(cable, &way, velocity, first);
+    if (first < 0) return "no static equilibrium was found at this start: export the scene with it";
+    const char *left = judge_growth(cable, name_changed(cable, name, sizeof name));
     if (left != NULL) return left;
-    if (status == OK && !differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
+    if (!differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
     if (status == NO_CAPACITY) return "out of memory";
-    if (status != OK) return "no static equilibrium was found at this start: export the scene with it";
     run_winches(cable, 1);
     judge(cable, &before);
     if (cablemodel_start_flowing(cable->I, cable->block_words) < 0) return NULL;

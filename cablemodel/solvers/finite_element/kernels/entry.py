@@ -23,7 +23,13 @@ from cablemodel.solvers.finite_element.kernels.outputs import (
     stations,
 )
 from cablemodel.solvers.finite_element.kernels.outputs.summary import summarise
-from cablemodel.solvers.finite_element.kernels.start import at_rest, firm_friction, growth
+from cablemodel.solvers.finite_element.kernels.start import (
+    at_rest,
+    firm_friction,
+    growth,
+    settling,
+    strings,
+)
 from cablemodel.solvers.finite_element.kernels.time import (
     begin,
     given_shape,
@@ -110,17 +116,24 @@ def draw_alike(I, M, bristle):
     return 0
 
 
-@entry_point(int64(INTEGERS, REALS))
-def lose_friction(I, M):
-    """No friction of the floor on lines and feet, while a start is sought."""
-    at_rest.set_friction(I, M, 0.0, 0.0)
-    return 0
+@entry_point(int64(INTEGERS, REALS, int64, REALS, REALS))
+def go_on_settling(I, M, status, at, kept):
+    """Between the equilibria by which a system comes to rest: settling.go_on_settling. at: a
+    Settling, zeros at first; kept: room for two images."""
+    return settling.go_on_settling(I, M, status, at, kept)
 
 
-@entry_point(int64(INTEGERS, REALS, float64))
-def stand_at_rest(I, M, friction):
-    """A system's start where an equilibrium was found: at_rest.stand_at_rest."""
-    at_rest.stand_at_rest(I, M, friction)
+@entry_point(int64(INTEGERS, REALS, REALS, REALS))
+def find_first_shape(I, M, shape, work):
+    """Places of the masses of a FirstShape: strings.find_first_shape. Returns 0, or how many words
+    of work it needs."""
+    return strings.find_first_shape(I, M, shape, work)
+
+
+@entry_point(int64(INTEGERS, REALS, REALS))
+def place_on_shape(I, M, shape):
+    """Nodes of a system along a FirstShape: strings.place_on_shape."""
+    strings.place_on_shape(I, M, shape)
     return 0
 
 
@@ -213,15 +226,6 @@ def count_growing(I, M, rate):
     """Of small motions how many grow faster than a rate [1/s]: inertia.count_growing. Uses the
     block up."""
     return inertia.count_growing(I, M, rate)
-
-
-@entry_point(int64(INTEGERS, REALS, float64, REALS))
-def count_swinging(I, M, rate, work):
-    """The same of a system, whether they swing or not: swinging.count_swinging. Without room for
-    that, returns how much it needs."""
-    if len(work) < swinging.work_words(I):
-        return swinging.work_words(I)
-    return swinging.count_swinging(I, M, rate, work)
 
 
 @entry_point(int64(INTEGERS, REALS, float64, REALS))
@@ -460,8 +464,9 @@ ENTRY_POINTS = {
     "begin_to_hold": begin_to_hold,
     "go_on_holding": go_on_holding,
     "draw_alike": draw_alike,
-    "lose_friction": lose_friction,
-    "stand_at_rest": stand_at_rest,
+    "go_on_settling": go_on_settling,
+    "find_first_shape": find_first_shape,
+    "place_on_shape": place_on_shape,
     "halve_bent": halve_bent,
     "measure_bends": measure_bends,
     "worst_of_shape": worst_of_shape,
@@ -475,7 +480,6 @@ ENTRY_POINTS = {
     "start_flow": start_flow,
     "stop_flow": stop_flow,
     "count_growing": count_growing,
-    "count_swinging": count_swinging,
     "count_leaving": count_leaving,
     "motion_matrices": motion_matrices,
     "measure": measure,

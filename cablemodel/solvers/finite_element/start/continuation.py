@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header
-from cablemodel.solvers.shared.numbers import TURNED_BACK
+from cablemodel.solvers.shared.numbers import HARDENING, TURNED_BACK
 
 FloatArray = NDArray[np.float64]
 
-FLOORS = (1000.0, 100.0, 10.0, 1.0), (100.0, 10.0, 1.0), (30.0, 10.0, 3.0, 1.0)
-"""Floors on which a start is tried in turn where it fails, in units of the contact layer. Beyond
-the first row for a line that sinks too deep into the first of them, and folds there."""
+FLOORS = HARDENING[:4], HARDENING[4:7], HARDENING[7:]
+"""Floors on which a start is tried in turn where it fails, in units of the contact layer."""
 LARGEST_SOFTENING, SMALLEST_SOFTENING, CONTINUATION_SOFTEST = 10.0, 1.05, 1e4
 """Factors between the depths of two contact layers on the way of a lay, and of the softest one."""
 CONTINUATION_GROWTH = 1.5

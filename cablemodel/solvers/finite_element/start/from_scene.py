@@ -54,7 +54,6 @@ from cablemodel.solvers.finite_element.start.first_state import (
 from cablemodel.solvers.finite_element.start.frame import vertical_plane
 from cablemodel.solvers.finite_element.start.line import Line, lay_out, spans_of
 from cablemodel.solvers.finite_element.start.refinement import (
-    REFINEMENT_ROUNDS,
     guess_of,
     halved,
     refine_touchdown,
@@ -81,7 +80,7 @@ from cablemodel.solvers.shared.layout import Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-from cablemodel.solvers.shared.numbers import PROMISE
+from cablemodel.solvers.shared.numbers import PROMISE, REFINEMENT_ROUNDS
 
 FloatArray = NDArray[np.float64]
 

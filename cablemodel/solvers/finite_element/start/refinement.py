@@ -27,19 +27,19 @@ from cablemodel.solvers.shared.layout import LIGHT_DAMPING, Header
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-from cablemodel.solvers.shared.numbers import SAME_PLACE
+from cablemodel.solvers.shared.numbers import (
+    LARGEST_STATIC_MESH,
+    REFINEMENT_BENT,
+    REFINEMENT_ROUNDS,
+    SAME_PLACE,
+)
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-REFINEMENT_ROUNDS = 14
-"""Times that a mesh is refined at most."""
-REFINEMENT_BENT = 2.5
-"""Of tau L: what h^2 times the jump of curvature may be in a static shape."""
 FAR_TOO_BENT = 4.0
-"""Times that, from where on halving elements once would not do: an FMU, whose elements are as they
-are, warns of a start that it found anew."""
-LARGEST_STATIC_MESH = 4000
+"""Times REFINEMENT_BENT, from where on halving elements once would not do: an FMU, whose elements
+are as they are, warns of a start that it found anew."""
 REFINEMENT_SPARE = 24, 2.0
 """Nodes for shapes that bend more later on: so many, and times those at the start."""
 FALLING_SPARE = 200

@@ -15,6 +15,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import BRISTLE, DE
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.curves import bends
 from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.numbers import TAKES_OFF
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
@@ -46,9 +47,6 @@ LEAST_PRELOAD = 1e-9
 """That of cable without mass [N/m]."""
 ABOVE_TABLE = 0.05
 """Of a table's range of heights: what its cubics may be above the highest of them."""
-TAKES_OFF = 3.0
-"""Speed over what the layer takes off that of what falls through it, in the product of its depth,
-damping and gravity."""
 BELOW_FLOOR = 1e-6
 """Of the line's length: what a place that is given may be below the floor by rounding."""
 TRACK_TIMES = 201

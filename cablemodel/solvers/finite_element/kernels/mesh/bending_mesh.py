@@ -30,6 +30,7 @@ from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import (
 )
 from cablemodel.solvers.finite_element.kernels.time.buckling import is_pressed
 from cablemodel.solvers.shared.access import (
+    cable_of,
     edge_at,
     edge_of,
     header,
@@ -43,6 +44,7 @@ from cablemodel.solvers.shared.compile import kernel, view
 from cablemodel.solvers.shared.layout import (
     CHANGED,
     EDGE_WORDS,
+    JOINT_NONE,
     NO_CAPACITY,
     NOTHING,
     OK,
@@ -132,15 +134,22 @@ def halve_for_good(I, M, node):
 
 
 @kernel
+def is_counted(I, M, node):
+    """Whether the scene counts the elements of an element's cable."""
+    return cable_of(I, M, int(edge_of(I, M, node).segment)).counted != 0.0
+
+
+@kernel
 def halve_bent(I, M, bends, allowed):
     """Halve elements of a static shape that bend by more than is allowed, (nodes,), where the mesh
     may change. NOTHING, CHANGED, or NO_CAPACITY: the block, as it was, must grow first."""
     changed = NOTHING
-    if scalars(M).bent == 0.0:
+    if header(I).parts == 0 and scalars(M).bent == 0.0:
         return changed
     node = header(I).nodes - 1  # from the last one on: halves go where the whole one went
     while node >= 1:
-        if bends[node] > allowed and may_be_halved(I, M, node):
+        bent = I[header(I).joint + node] == JOINT_NONE and bends[node] > allowed
+        if bent and not is_counted(I, M, node) and may_be_halved(I, M, node):
             if halve_for_good(I, M, node) != OK:
                 return NO_CAPACITY
             changed = CHANGED

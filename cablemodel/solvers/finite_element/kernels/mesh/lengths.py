@@ -7,7 +7,12 @@ number then, and each is as many times longer as its cable. `lengths`: rows of C
 import math
 
 from cablemodel.solvers.finite_element.kernels.element import scales
-from cablemodel.solvers.finite_element.kernels.element.tables import ELEMENT_RIGID, STABILISATION
+from cablemodel.solvers.finite_element.kernels.element.tables import (
+    BRISTLE,
+    DEPTH,
+    ELEMENT_RIGID,
+    STABILISATION,
+)
 from cablemodel.solvers.shared.access import (
     body_of,
     cable_length_at,
@@ -28,7 +33,7 @@ from cablemodel.solvers.shared.layout import (
     LENGTH_WORDS,
     Constraint,
 )
-from cablemodel.solvers.shared.numbers import SHORTEST_LINE
+from cablemodel.solvers.shared.numbers import SHORTEST_LINE, TAKES_OFF
 
 SHORTEST_PIECE = 0.01  # of an element: cable out before the joint below it leaves the drum
 # Of a body of finite length: cable that must be out before the body leaves the tow point.
@@ -105,8 +110,9 @@ def softness_of(lengths, line):
 
 
 @kernel
-def add_up(lengths, words):
-    """Complete LineFacts, whose mass and tension are those at the scene's lengths."""
+def add_up(lengths, words, together):
+    """Complete LineFacts, whose mass and tension are those at the scene's lengths; together: of a
+    system, whose are those without its cables, so that the same lengths have the same ones."""
     facts = line_facts_at(words, 0)
     facts.length = 0.0
     facts.shortest = math.inf
@@ -117,8 +123,9 @@ def add_up(lengths, words):
         row = row_at(lengths, n)
         lines = max(lines, 1 + int(row.line))
         if row.winch < 0.0:
-            facts.mass += row.mass * (row.length - row.first)
-            facts.tension += row.tension * (row.length - row.first)
+            more = row.length if together else row.length - row.first
+            facts.mass += row.mass * more
+            facts.tension += row.tension * more
     for line in range(lines):
         drag = 0.0
         mass = 0.0
@@ -160,13 +167,16 @@ def measure(I, M, lengths, words):
     head = header(I)
     state = scalars(M)
     before = state.length
-    add_up(lengths, words)
+    add_up(lengths, words, head.parts != 0)
     scales.measure_line(I, M, words)
     if head.parts != 0 and head.floor_kind != FLOOR_NONE and before > 0.0:
-        longer = state.length / before
-        state.floor_depth *= longer
-        state.bristle *= longer
-        bend_flexible(I, M, longer)
+        bend_flexible(I, M, state.length / before)
+        state.floor_depth = DEPTH * state.tolerance * state.length
+        state.bristle = BRISTLE * (state.tolerance * state.length)
+        if state.landing_damping > state.floor_damping:
+            speed = math.sqrt(2.0 * state.gravity * (state.tolerance * state.length))
+            landing = TAKES_OFF * speed / (state.gravity * state.floor_depth)
+            state.landing_damping = max(state.floor_damping, landing)
 
 
 # -- tables ----------------------------------------------------------------------------------------
