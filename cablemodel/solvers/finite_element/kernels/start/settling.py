@@ -7,17 +7,29 @@ between.
 
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import stabilise
 from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import halve_bent
-from cablemodel.solvers.finite_element.kernels.mesh.lengths import forget_stabilisation
+from cablemodel.solvers.finite_element.kernels.mesh.lengths import (
+    SHORTEST_PIECE,
+    forget_stabilisation,
+)
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import follow_floor
 from cablemodel.solvers.finite_element.kernels.start.at_rest import set_friction, stand_at_rest
 from cablemodel.solvers.finite_element.kernels.time.begin import ROW_BENT, bends, restore_bending
-from cablemodel.solvers.shared.access import header, scalars, settling_at, spare_row
+from cablemodel.solvers.shared.access import (
+    cable_of,
+    edge_of,
+    header,
+    scalars,
+    settling_at,
+    spare_row,
+    winch_of,
+)
 from cablemodel.solvers.shared.compile import kernel, outlined, view
 from cablemodel.solvers.shared.layout import (
     AT_BENDS,
     AT_FLOOR,
     FLOOR_FAR,
     FLOOR_NONE,
+    JOINT_NONE,
     NO_CAPACITY,
     NOTHING,
     OK,
@@ -90,6 +102,40 @@ def refine(I, M, at):
 
 
 @outlined
+def size_cables(I, M):
+    """Elements in which cables pass winches, as long as those that are out after some were halved:
+    on the mean of their cable, or, where none of it is out, of their line."""
+    head = header(I)
+    for index in range(head.cable_count):
+        cable = cable_of(I, M, index)
+        own = 0.0
+        count = 0
+        all_own = 0.0
+        all_count = 0
+        for node in range(1, head.nodes):
+            if I[head.joint + node] != JOINT_NONE:
+                continue
+            edge = edge_of(I, M, node)
+            if int(edge.segment) == index:
+                own += edge.length
+                count += 1
+            if cable_of(I, M, int(edge.segment)).row == cable.row:
+                all_own += edge.length
+                all_count += 1
+        if cable.nominal == 0.0 or (count == 0 and cable.counted != 0.0):
+            continue
+        cable.nominal = own / count if count > 0 else all_own / all_count
+        cable.edge.nominal = cable.nominal
+        cable.shortest = min(cable.shortest, SHORTEST_PIECE * cable.nominal)
+    for n in range(head.winch_count):
+        winch = winch_of(I, M, n)
+        node = int(winch.node)
+        top = edge_of(I, M, node + 1 if winch.way > 0.0 else node)
+        winch.start = top.start if winch.way > 0.0 else top.start + top.length
+        winch.top_length = top.length
+
+
+@outlined
 def go_on_refining(I, M, at, kept):
     """On shorter elements where some are too long. SEARCH, NO_CAPACITY, or OK: none is."""
     while at.stage < SETTLED:
@@ -102,6 +148,7 @@ def go_on_refining(I, M, at, kept):
             if found != NOTHING:
                 at.rounds += 1.0
                 if at.stage == AT_BENDS:
+                    size_cables(I, M)
                     forget_stabilisation(I, M)
                     restore_bending(I, M)
                 return begin(I, M, at)
