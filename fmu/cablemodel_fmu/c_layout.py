@@ -86,6 +86,7 @@ def start_constants() -> dict[str, float]:
         continuation,
         refinement,
         scales,
+        search,
     )
     from cablemodel.systems import tables
     from cablemodel_fmu.signals import LARGEST
@@ -98,6 +99,8 @@ def start_constants() -> dict[str, float]:
         "REFINEMENTS": numbers.REFINEMENT_ROUNDS,
         "SLOWEST": stability.SLOWEST,
         "FEW_STEPS": continuation.FEW_STEPS,
+        "SEARCH_STEP": search.SEARCH_STEP,
+        "SEARCH_FEWEST": search.SEARCH_FEWEST,
         "PROMISE": numbers.PROMISE,
         "SMALLEST_RADIUS": tables.SMALLEST_RADIUS,
         "AHEAD": interface.RATE_AHEAD,

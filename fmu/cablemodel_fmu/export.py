@@ -24,6 +24,7 @@ from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start.frame import local
 from cablemodel.solvers.finite_element.start.from_scene import build as build_block
 from cablemodel.solvers.finite_element.start.scales import tension_scale
+from cablemodel.solvers.finite_element.start.search import ITERATION
 from cablemodel.solvers.finite_element.start.tables import facts_of
 from cablemodel.solvers.finite_element.start.unstable_start import stays
 from cablemodel.solvers.library import BINARIES, description, kernel_hash
@@ -296,6 +297,7 @@ def _of_system(scene: SystemScene, options: Options) -> Contents:
         system=section(scene, start.built, values[1]),
         shape=shape,
         first=first,
+        search=scene.solver.start_time_limit / ITERATION[1],
     )
     beside = _beside_system(start, model, values[1]) if model.estimate else None
     description = "Ocean cables between vessels and bodies"

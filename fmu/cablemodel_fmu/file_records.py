@@ -34,7 +34,8 @@ class FileHeader(Record):
     facts = reals(FACT_WORDS, "of the line as a whole: LineFacts")
     shape_words = integer("of a system's first shape, a FirstShape; 0: there is none")
     first_words = integer("and of the image of the block from which that leads to a start")
-    _spare_2 = spare(2)
+    search = real("iterations times nodes that a search for a system's start may take")
+    _spare_2 = spare(1)
 
 
 class Parameter(Record):

@@ -62,6 +62,8 @@ class ModelFile:
     """The first shape of a system whose start may be set; else empty."""
     first: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype="<i8"))
     """The image of its block from there; else empty."""
+    search: float = 0.0
+    """Work that a search for another start of it may take: iterations times nodes."""
 
     def to_bytes(self) -> bytes:
         """The file, with its checksum."""
@@ -81,6 +83,7 @@ class ModelFile:
         rows = np.array([_row(item) for item in self.coefficients], dtype_of(Parameter))
         header["system_words"] = len(self.system)
         header["shape_words"], header["first_words"] = len(self.shape), len(self.first)
+        header["search"] = self.search
         words = len(rows) * Parameter.WORDS + len(self.system) + len(image)
         words += len(self.shape) + len(self.first)
         header["words"] = FileHeader.WORDS + words

@@ -184,6 +184,19 @@ def test_a_system_grows(system: Any) -> None:
     slave.close()
 
 
+def test_a_start_at_another_length_grows(system: Any, tmp_path: Path) -> None:
+    """It is sought in the block along the first shape, with room of its own."""
+    scene, *fmu = system
+    with unpacked(scene, tmp_path, stations=STATIONS) as roomy:
+        slaves = [Slave(*one, **{"lay.cable[1].length": 36.0}) for one in (fmu, roomy)]
+        for _ in range(3):
+            assert outputs_of(slaves[0]) == outputs_of(slaves[1])
+            for slave in slaves:
+                slave.step(STEP)
+        for slave in slaves:
+            slave.close()
+
+
 def test_a_look_ahead_grows(system: Any) -> None:
     """A system's output derivatives are made with a copy of the block, which has no more room."""
     scene, *fmu = system

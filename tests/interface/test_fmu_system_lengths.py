@@ -4,6 +4,7 @@ refused."""
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ import cablemodel as cm
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.systems import SystemModel
+from cablemodel_fmu.model_file import ModelFile
 from tests.verification.test_system_small_motions import towed_wing
 
 Lengths = dict[str, list[float]]
@@ -351,6 +353,30 @@ def test_errors_are_estimated_at_the_same_lengths(tmp_path: Path) -> None:
             slave.step(0.5)
             model.step(0.5)
         slave.close()
+
+
+def test_a_search_ends_with_the_scenes_time_limit(tmp_path: Path) -> None:
+    """By the work that it is on a slow machine, not by a clock: it is the same on all."""
+    lengths = parameters(scaled(moored(), bow=1.25, aft=1.13))
+    to_bytes = ModelFile.to_bytes
+    for limit in (60.0, 0.6):
+        with pytest.MonkeyPatch.context() as patch:
+
+            def hasty(self: ModelFile, share: float = limit / 60.0) -> bytes:
+                assert self.search == pytest.approx(60.0 / 6e-6)
+                return to_bytes(replace(self, search=share * self.search))
+
+            patch.setattr(ModelFile, "to_bytes", hasty)
+            with unpacked(moored(), tmp_path, stations=STATIONS) as found:
+                slave = Slave(*found, begin=False)
+                if limit == 60.0:
+                    slave._begin(**lengths)
+                    slave.step(0.5)
+                else:
+                    with pytest.raises(FMICallException):
+                        slave._begin(**lengths)
+                    assert "within the scene's solver.start_time_limit" in slave.messages[-1][1]
+                slave.close()
 
 
 FACTORS = 0.7, 0.85, 1.0, 1.1, 1.2, 1.4, 1.5

@@ -25,6 +25,7 @@ from cablemodel.systems import SystemModel
 from cablemodel.variables import LINE_FLOOR, outputs_of
 from cablemodel_fmu.export import ExportError, contents_of, export_fmu
 from cablemodel_fmu.export import Options as ExportOptions
+from cablemodel_fmu.file_records import FileHeader, Parameter
 
 STATIONS = 5
 JOBS = Path(__file__).parents[2] / "docs" / "jobs"
@@ -813,24 +814,40 @@ def test_a_finer_run_of_other_parts_is_refused(estimated: Any, hung: Any, tmp_pa
 
 
 def test_a_model_file_that_is_altered_is_refused(hung: Any, tmp_path: Path) -> None:
-    """Sizes, the section of the parts, and their tables in the block."""
+    """Sizes, the section of the parts, the first shape, and tables in the blocks."""
     start, place, description = hung
     other = tmp_path / "fmu"
     shutil.copytree(place, other)
     whole = contents_of(start.scene, ExportOptions(stations=STATIONS)).model
     model = other / "resources" / "model.bin"
     words = np.frombuffer(whole, dtype="<i8")
-    section = int(words[15])
-    first_image = len(words) - int(words[11])
-    image = words[first_image:]
-    head = Header(image)
-    places = [14, 15, first_image - section, first_image - 1, first_image + Header.frame_count.word]
-    places += [first_image + int(head.cuts) + at.Cut.segment.word]
-    places += [first_image + int(head.free_bodies) + at.FreeBody.node.word]
-    places += [first_image + int(head.constraints) + at.Constraint.frame.word]
-    for place_of_word in places:
+    parameters, section = int(words[14]), int(words[15])
+    image = FileHeader.WORDS + Parameter.WORDS * parameters + section
+    shape = image + int(words[FileHeader.image_words.word])
+    first = shape + int(words[FileHeader.shape_words.word])
+    assert shape < first < len(words) == first + int(words[FileHeader.first_words.word])
+    places = [14, 15, FileHeader.shape_words.word, FileHeader.first_words.word]
+    places += [image - section, image - 1]
+    for begin in (image, first):
+        head = Header(words[begin:])
+        places += [begin + Header.frame_count.word]
+        places += [begin + int(head.cuts) + at.Cut.segment.word]
+        places += [begin + int(head.free_bodies) + at.FreeBody.node.word]
+        places += [begin + int(head.constraints) + at.Constraint.frame.word]
+    sizes = ("lines", "items", "bodies", "most")
+    places += [shape + at.FirstShape.FIELDS[name].word for name in sizes]
+    lines, items, bodies, _most = (
+        int(words.view("<f8")[shape + at.FirstShape.FIELDS[name].word]) for name in sizes
+    )
+    item = shape + at.SHAPE_WORDS + at.STRING_LINE_WORDS * lines
+    end = item + at.STRING_ITEM_WORDS * items + at.STRING_BODY_WORDS * bodies
+    places += [item + at.StringItem.line.word]
+    places += [end + at.StringEnd.kind.word, end + at.StringEnd.other.word]
+    altering = [(place_of_word, 1e6) for place_of_word in places]
+    altering += [(FileHeader.search.word, math.nan), (shape, math.nan)]
+    for place_of_word, value in altering:
         altered = bytearray(whole)
-        altered[8 * place_of_word : 8 * place_of_word + 8] = np.float64(1e6).tobytes()
+        altered[8 * place_of_word : 8 * place_of_word + 8] = np.float64(value).tobytes()
         model.write_bytes(sealed(altered))
         with pytest.raises(Exception, match="instantiate"):
             Slave(other, description)

@@ -90,6 +90,7 @@ typedef struct Cable {
     double stretched; /* strain at such a start, where it is a large one and was not exported; or 0 */
     int leaves; /* such a start may be left by itself, as the exported one may */
     double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
+    double left; /* iterations times nodes that are left of a search for such a start, of a system */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its
        block counts: inputs, parameters and phase are those of this one. */
     struct Cable *finer;
@@ -322,6 +323,7 @@ int64_t refine(Cable *cable, int at_floor, int64_t (*rest)(Cable *, double *), d
 int64_t *copy_of_image(const Cable *cable);
 void give_back(Cable *cable, const int64_t *image);
 int64_t count_growing(Cable *cable);
+const char *refuse_growth(Cable *cable, const char *changed);
 const char *judge_growth(Cable *cable, const char *changed);
 const char *settle_cable(Cable *cable);
 

@@ -290,6 +290,7 @@ static const char *check_file(Cable *cable, int64_t count, const char *guid) {
         return "the sizes do not agree";
     if (!all_finite(file->inputs, VR_INPUTS) || !all_finite(file->frame, 3))
         return "a start value is not finite";
+    if (!(file->search >= 0.0)) return "a size is out of range";
     if (!all_finite(file->facts, FACT_WORDS)) return "a number of the line as a whole is not finite";
     if (!within((cable->flags & FLAG_VESSEL_INPUT) / FLAG_VESSEL_INPUT_UNIT, BY_VELOCITY, BY_BOTH))
         return "a start value is out of range";

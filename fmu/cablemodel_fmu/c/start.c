@@ -87,16 +87,20 @@ int64_t count_growing(Cable *cable) {
     return found;
 }
 
-/* Why a start that was found anew is none to begin with, where the exported one is: NULL: it is one, or
-   is warned of. */
-const char *judge_growth(Cable *cable, const char *changed) {
-    if (count_growing(cable) == 0) return NULL;
+/* Why a start that was found anew, which the line leaves by itself, is none to begin with; NULL: it is
+   warned of, as the exported one is left, too. */
+const char *refuse_growth(Cable *cable, const char *changed) {
     cable->leaves = (cable->flags & FLAG_LEAVES) != 0;
     if (cable->leaves) return NULL;
     snprintf(cable->message, sizeof cable->message,
              "%s is not the scene's: the start that is found with it falls or swings up by itself; export the "
              "scene with this value, where another one is looked for", changed);
     return cable->message;
+}
+
+/* The same of any that was found anew. */
+const char *judge_growth(Cable *cable, const char *changed) {
+    return count_growing(cable) == 0 ? NULL : refuse_growth(cable, changed);
 }
 
 static const char *find_start(Cable *cable) {

@@ -120,9 +120,7 @@ const char *check_first_shape(const Cable *cable) {
             return wrong;
         masses += end->kind == STRING_ON_LINE;
     }
-    if (masses > most || cables != lengths || !same_sizes(I, own) || !is_system(I) ||
-        header(I)->capacity > header(own)->capacity)
-        return wrong;
+    if (masses > most || cables != lengths || !same_sizes(I, own) || !is_system(I)) return wrong;
     return check_block(I, file_header(cable->file)->first_words, header(I)->byte_count / 8);
 }
 

@@ -230,6 +230,19 @@ static int follow_supports(Cable *cable, double *before, double *grown) {
 
 /* -- equilibrium ------------------------------------------------------------------------------------ */
 
+/* An equilibrium, in as many steps as there is work left for. */
+static int64_t find_equilibrium(Cable *cable, double velocity[3]) {
+    const double nodes = (double)header(cable->I)->nodes;
+    const int64_t most = header(cable->I)->maximum_steps, before = header(cable->I)->iterations;
+    if (!(cable->left > 0.0)) return STATICS_FAILED;
+    header(cable->I)->maximum_steps =
+        (int64_t)fmin((double)most, fmax(SEARCH_FEWEST, cable->left / (SEARCH_STEP * nodes)));
+    const int64_t status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
+    header(cable->I)->maximum_steps = most;
+    cable->left -= nodes * (double)(header(cable->I)->iterations - before);
+    return status;
+}
+
 /* At rest, on elements that are fine enough: as Equilibria._settle of
    cablemodel/systems/equilibrium.py. */
 static int64_t settle(Cable *cable, double velocity[3]) {
@@ -242,7 +255,7 @@ static int64_t settle(Cable *cable, double velocity[3]) {
             kept = malloc(16 * (size_t)cable->image_words);
             if (kept == NULL) return NO_CAPACITY;
         }
-        if (status == SEARCH) status = cablemodel_equilibrium(cable->I, cable->block_words, velocity, 3);
+        if (status == SEARCH) status = find_equilibrium(cable, velocity);
         status = cablemodel_go_on_settling(cable->I, cable->block_words, status, at, SETTLING_WORDS, kept,
                                            2 * cable->image_words);
     } while (status == SEARCH || status == NO_CAPACITY);
@@ -373,8 +386,10 @@ static int64_t halve_all(Cable *cable) {
 /* From a first shape, as the library begins with these lengths and starts: Equilibria._at_rest. parts: of
    each element, of lines that are drawn aside; 0: of plain ones. */
 static int64_t begin_anew(Cable *cable, double velocity[3], int parts) {
+    const int64_t *first = first_image(cable);
+    if (!reserve(cable, header(first)->byte_count / 8, header(first)->capacity)) return NO_CAPACITY;
     double *shape = malloc(8 * (size_t)file_header(cable->file)->shape_words);
-    take_image(cable, first_image(cable));
+    take_image(cable, first);
     tune_all(cable);
     measure(cable);
     const int64_t nodes = header(cable->I)->nodes;
@@ -453,7 +468,8 @@ static const char *search(Cable *cable) {
     int64_t status = STATICS_FAILED, growing = 1;
     int first = -1, pressed = 0;
     velocity_at(&way, 1.0, velocity);
-    for (int how = PLAIN; how <= GO_ON && growing != 0;) {
+    cable->left = file_header(cable->file)->search;
+    for (int how = PLAIN; how <= GO_ON && growing != 0 && cable->left > 0.0;) {
         const int aside = how != PLAIN && how != GO_ON;
         if (!aside || first < 0 || pressed) {
             status = find_by(cable, &way, velocity, how);
@@ -466,10 +482,17 @@ static const char *search(Cable *cable) {
         how = how == PLAIN ? (clamped ? GO_ON : 1) : how == GO_ON && clamped ? 1 : 2 * how;
         if (clamped && how == GO_ON && aside) break;
     }
-    if (growing != 0 && first >= 0) status = find_by(cable, &way, velocity, first);
-    if (first < 0) return "no static equilibrium was found at this start: export the scene with it";
-    const char *left = judge_growth(cable, name_changed(cable, name, sizeof name));
-    if (left != NULL) return left;
+    if (first < 0)
+        return cable->left > 0.0
+                   ? "no static equilibrium was found at this start: export the scene with it"
+                   : "no static equilibrium was found at this start within the scene's solver.start_time_limit: export "
+                     "the scene with it";
+    if (growing != 0) {
+        const char *left = refuse_growth(cable, name_changed(cable, name, sizeof name));
+        if (left != NULL) return left;
+        cable->left = INFINITY; /* it was found before */
+        status = find_by(cable, &way, velocity, first);
+    }
     if (!differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
     if (status == NO_CAPACITY) return "out of memory";
     run_winches(cable, 1);
