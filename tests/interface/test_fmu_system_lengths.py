@@ -375,7 +375,7 @@ def test_a_search_ends_with_the_scenes_time_limit(tmp_path: Path) -> None:
                 else:
                     with pytest.raises(FMICallException):
                         slave._begin(**lengths)
-                    assert "within the scene's solver.start_time_limit" in slave.messages[-1][1]
+                    assert "ended with the scene's solver.start_time_limit" in slave.messages[-1][1]
                 slave.close()
 
 

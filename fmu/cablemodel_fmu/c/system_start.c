@@ -485,8 +485,8 @@ static const char *search(Cable *cable) {
     if (first < 0)
         return cable->left > 0.0
                    ? "no static equilibrium was found at this start: export the scene with it"
-                   : "no static equilibrium was found at this start within the scene's solver.start_time_limit: export "
-                     "the scene with it";
+                   : "no static equilibrium was found at this start: export the scene with it (the search ended with "
+                     "the scene's solver.start_time_limit)";
     if (growing != 0) {
         const char *left = refuse_growth(cable, name_changed(cable, name, sizeof name));
         if (left != NULL) return left;
