@@ -22,11 +22,13 @@ RARE_KERNELS = (
     "given_shape", "growth", "hulls", "inertia", "interface", "lengths", "mesh_motion",
     "part_outputs", "payout", "promote", "raos", "resizing", "rigid", "rings", "rotation",
     "scales", "settling", "shear", "slack", "sleep", "stabilisation", "statics", "stations",
-    "stepping", "stretch", "strings", "summary", "surge", "swinging", "tension", "time_stepping",
-    "top_element", "touchdown_mesh", "vessel_clamp", "winch",
+    "step_size", "stepping", "stretch", "strings", "summary", "surge", "swinging", "tension",
+    "tension_along", "time/waves", "time_stepping", "top_element", "touchdown_mesh",
+    "vessel_clamp", "winch",
 )  # fmt: skip
-"""Modules of kernels that are little of the work: built for size."""
-_MODULE = re.compile(r"7kernels\d+[a-z]+")
+"""Modules of kernels that are little of the work: built for size. With their package where two
+have one name."""
+_MODULE = re.compile(r"7kernels(\d+[a-z]+)")
 """In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
 RARE_ENTRIES = (
     "arrange",
@@ -135,8 +137,14 @@ def _is_rare(name: str) -> bool:
         return name.removeprefix(PREFIX) in RARE_ENTRIES
     found = _MODULE.search(name)
     return found is not None and any(
-        name.startswith(f"{len(kernels)}{kernels}", found.end()) for kernels in RARE_KERNELS
+        name.startswith(_mangled(kernels), found.start(1) if "/" in kernels else found.end())
+        for kernels in RARE_KERNELS
     )
+
+
+def _mangled(path: str) -> str:
+    """Names of a package and a module as numba mangles them."""
+    return "".join(f"{len(part)}{part}" for part in path.split("/"))
 
 
 if __name__ == "__main__":

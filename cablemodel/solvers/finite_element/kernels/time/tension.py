@@ -303,44 +303,40 @@ def hears(I, M):
 
 
 @kernel
-def hear(I, M, row, missed):
-    """Keep what a step has missed of a ring at an end [N], which may be followed (rings.py)."""
-    if row.ring == 0.0 and missed > 0.0:
-        row.ring_missed = missed
-        header(I).heard += 1
+def missed_embedded(I, M, node, scheme):
+    """What a step has missed of a ring in a watched tension [N], as its embedded solution tells;
+    0 where the step follows nothing that rings."""
+    left, share = embedded_error(I, M, node, stage_scatter(I, M, node, scheme))
+    if share <= STIFF:
+        return 0.0
+    angle = math.sqrt(1.0 / share - 1.0) / GAMMA[scheme]
+    return left * allowed_at(I, M, node) * UNDERRATED[scheme] * angle
 
 
 @kernel
-def hear_embedded(I, M, scheme):
-    """Keep what a step has missed of rings that none follows, as its embedded solution tells
-    where the step follows what rings."""
-    head = header(I)
-    for n in range(head.constraint_count):
-        row = constraint_of(I, M, n)
-        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY:
-            continue
-        top = watched_element(I, row)
-        left, share = embedded_error(I, M, top, stage_scatter(I, M, top, scheme))
-        if share <= STIFF:
-            continue
-        angle = math.sqrt(1.0 / share - 1.0) / GAMMA[scheme]
-        hear(I, M, row, left * allowed_at(I, M, top) * UNDERRATED[scheme] * angle)
+def missed_late(I, M, node):
+    """The same of a two-step step, which is late by a third of the angle's cube, and by half of
+    that cube off what is predicted."""
+    final = trial_tension_of(I, M, node).mean
+    change = abs(final - tension_of(I, M, node).mean)
+    off = abs(final - M[header(I).stage_tensions + 6 * node])
+    return 2.0 / 3.0 * off if 2.0 * off < change else 0.0
 
 
 @kernel
-def hear_late(I, M):
-    """The same of a two-step step, which is late by a third of the angle's cube."""
+def hear(I, M, scheme):
+    """Keep what a step by a scheme, -1: the two-step one, has missed of rings at ends that none
+    follows: they may be followed from there (rings.py)."""
     head = header(I)
     for n in range(head.constraint_count):
         row = constraint_of(I, M, n)
-        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY:
+        if row.kind == HELD_BY_ANCHOR or row.clamped == WHOLLY or row.ring > 0.0:
             continue
         top = watched_element(I, row)
-        final = trial_tension_of(I, M, top).mean
-        change = abs(final - tension_of(I, M, top).mean)
-        off = abs(final - M[head.stage_tensions + 6 * top])
-        if 2.0 * off < change:
-            hear(I, M, row, 2.0 / 3.0 * off)
+        missed = missed_late(I, M, top) if scheme < 0 else missed_embedded(I, M, top, scheme)
+        if missed > 0.0:
+            row.ring_missed = missed
+            head.heard += 1
 
 
 @kernel
@@ -446,7 +442,7 @@ def two_step_error(I, M, dt):
             missed = max(missed, phase_missed(change, abs(final - first)))
         worst = max(worst, missed / allowed_at(I, M, node))
     if hears(I, M):
-        hear_late(I, M)
+        hear(I, M, -1)
     return worst, along
 
 
@@ -786,7 +782,7 @@ def tension_error(I, M, dt, scheme, gamma_dt, error, of_positions):
             lasting = max(lasting, left * share * share / part)
             forgotten = max(forgotten, (1.0 - share * share) * scatter)
     if hears(I, M):
-        hear_embedded(I, M, scheme)
+        hear(I, M, scheme)
     if head.parts != 0:
         missed = max(lasting, forgotten)
         if at_once:
