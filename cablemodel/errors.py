@@ -267,18 +267,18 @@ class UnstableStartWarning(StartWarning):
 class OverturnedStartWarning(StartWarning):
     """Bodies do not last as the scene has them, and start turned from there, as they fall.
 
-    Attributes: ``bodies``, their names; ``angles`` by which their vertical axes turn [rad].
+    Attributes: ``angles`` by which their vertical axes turn [rad], by name; ``bodies``, the names.
     """
 
-    def __init__(self, bodies: list[str], angles: list[float]) -> None:
-        super().__init__(bodies, angles)
-        self.bodies = bodies
+    def __init__(self, angles: dict[str, float]) -> None:
+        super().__init__(angles)
         self.angles = angles
+        self.bodies = list(angles)
 
     def __str__(self) -> str:
         turned = [
             f"{name} starts turned by {math.degrees(angle):.0f} degrees"
-            for name, angle in zip(self.bodies, self.angles, strict=True)
+            for name, angle in self.angles.items()
         ]
         many = len(turned) > 1
         return (

@@ -83,8 +83,7 @@ class Equilibria:
                 built, leaves = lasts, None
                 overturned = _overturned(built, self.guess)
                 if overturned:
-                    names, angles = list(overturned), list(overturned.values())
-                    warnings.warn(OverturnedStartWarning(names, angles), stacklevel=2)
+                    warnings.warn(OverturnedStartWarning(overturned), stacklevel=2)
         if leaves is not None:
             warnings.warn(leaves.warning(), stacklevel=2)
         built.unstable = leaves is not None
