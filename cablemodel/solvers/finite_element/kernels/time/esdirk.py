@@ -32,12 +32,9 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     residual,
     set_time,
 )
+from cablemodel.solvers.finite_element.kernels.time.embedded_tension import keep_stage_tensions
 from cablemodel.solvers.finite_element.kernels.time.rings import left_in_tensions
-from cablemodel.solvers.finite_element.kernels.time.tension import (
-    PASSES_OVER,
-    keep_stage_tensions,
-    tension_error,
-)
+from cablemodel.solvers.finite_element.kernels.time.tension import PASSES_OVER, tension_error
 from cablemodel.solvers.finite_element.kernels.time.two_step import correct, remember
 from cablemodel.solvers.finite_element.kernels.water.sea_cells import begin_stage, end_stage
 from cablemodel.solvers.shared.access import header, scalars

@@ -30,17 +30,17 @@ from cablemodel.solvers.finite_element.kernels.time.consistency import (
     jump_along,
     motion_breaks,
 )
-from cablemodel.solvers.finite_element.kernels.time.tension import (
-    LOSS_FACTOR,
+from cablemodel.solvers.finite_element.kernels.time.solved_tension import (
     SHORT,
     SOLVED_A,
     STRAINED,
-    allowed_at,
-    dies_away,
-    gives_way,
-    least_tolerance,
     may_be_solved_for,
     solve_for_tension,
+)
+from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR, dies_away, gives_way
+from cablemodel.solvers.finite_element.kernels.time.watched_tension import (
+    allowed_at,
+    least_tolerance,
     watched_element,
 )
 from cablemodel.solvers.finite_element.kernels.time.waves import (

@@ -72,6 +72,7 @@ from cablemodel.solvers.finite_element.kernels.time.rings import (
     may_miss_rings,
 )
 from cablemodel.solvers.finite_element.kernels.time.slack import follow_slack
+from cablemodel.solvers.finite_element.kernels.time.solved_tension import SHORT, take_solved
 from cablemodel.solvers.finite_element.kernels.time.step_size import (
     REFUSED,
     adapt_step,
@@ -86,11 +87,8 @@ from cablemodel.solvers.finite_element.kernels.time.tension import (
     FOLLOWS,
     MISSES,
     PASSES_OVER,
-    SHORT,
     SOLVED,
     longest_unwatched,
-    remember_tensions,
-    take_solved,
     two_step_error,
 )
 from cablemodel.solvers.finite_element.kernels.time.two_step import (
@@ -98,6 +96,7 @@ from cablemodel.solvers.finite_element.kernels.time.two_step import (
     try_two_step,
     two_step_gamma,
 )
+from cablemodel.solvers.finite_element.kernels.time.watched_tension import remember_tensions
 from cablemodel.solvers.finite_element.kernels.time.waves import end_waves, follow_with_mesh
 from cablemodel.solvers.shared.access import (
     edge_of,

@@ -29,7 +29,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     residual,
     set_time,
 )
-from cablemodel.solvers.finite_element.kernels.time.tension import watched
+from cablemodel.solvers.finite_element.kernels.time.watched_tension import watched
 from cablemodel.solvers.shared.access import (
     compliance_of,
     header,

@@ -24,11 +24,8 @@ from cablemodel.solvers.finite_element.kernels.element.stabilisation import soft
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
 from cablemodel.solvers.finite_element.kernels.mesh.payout import split_element
 from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
-from cablemodel.solvers.finite_element.kernels.time.tension import (
-    LOSS_FACTOR,
-    is_root,
-    watched_element,
-)
+from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
+from cablemodel.solvers.finite_element.kernels.time.watched_tension import is_root, watched_element
 from cablemodel.solvers.shared.access import (
     body_of,
     constraint_of,
