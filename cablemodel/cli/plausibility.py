@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cablemodel.scene.line import CableType, LineItem
     from cablemodel.scene.vessel import RatePoint, Vessel
     from cablemodel.systems import SystemModel, SystemScene
-    from cablemodel.systems.scene import Hull
+    from cablemodel.systems.free_bodies import Hull
 
 Angles = list[tuple[str, "float | None"]]
 """Where they stand in a scene [rad]."""

@@ -13,7 +13,7 @@ from cablemodel.scene.motion import DEGREE, POLYNOMIAL
 from cablemodel.solvers.shared import layout as at
 
 if TYPE_CHECKING:
-    from cablemodel.systems.scene import VesselFrame
+    from cablemodel.systems.vessel_frames import VesselFrame
 
 FloatArray = NDArray[np.float64]
 

@@ -26,6 +26,7 @@ from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
 from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
 from cablemodel.systems.built import Built
+from cablemodel.systems.free_bodies import FreeBody, Hull
 from cablemodel.systems.guess import Guess, standing
 from cablemodel.systems.lines import (
     bends_at,
@@ -34,8 +35,9 @@ from cablemodel.systems.lines import (
     tension_of_bodies,
 )
 from cablemodel.systems.motion import axes_of, turning
-from cablemodel.systems.scene import FreeBody, Hull, RaoPoint, SystemScene
+from cablemodel.systems.scene import SystemScene
 from cablemodel.systems.tree import Tree
+from cablemodel.systems.vessel_frames import RaoPoint
 
 FloatArray = NDArray[np.float64]
 SMALLEST_RADIUS = 1e-3
