@@ -204,18 +204,13 @@ def bristle_at(I, M, node, contact, dimension):
 
 
 @inlined
-def damp_bristle(v, parent, node, p, contact, dimension):
-    """Lengthen the bristle at contact point p of an element by what its velocity adds in the time
-    `ahead`: a spring and a damper side by side. Linear along the chord, as the bristle is."""
-    x = CONTACT_POINTS[p]
-    a = 2 * dimension * parent
-    b = 2 * dimension * node
-    more = 0.0
+def damp_bristle(contact, dimension):
+    """Lengthen the bristle by what its velocity adds in the time `ahead`: a spring and a damper
+    side by side. The damper is cubic along the chord as forces are. The spring is linear there, and
+    a force that acts along another way than its spring is drawn out gives energy: chain that lay
+    still was shaken loose by that."""
     for i in range(dimension):
-        linear = (1.0 - x) * v[a + i] + x * v[b + i]
-        more += contact.chord[i] * (linear - contact.velocity[i])
-    for i in range(dimension):
-        contact.bristle[i] += contact.ahead * (contact.velocity[i] + more * contact.chord[i])
+        contact.bristle[i] += contact.ahead * contact.velocity[i]
 
 
 @inlined
@@ -279,7 +274,7 @@ def contact_force(I, M, q, v, parent, node, h, p, load, contact, dimension):
     press *= max(0.0, 1.0 - state.floor_damping * speed)
     if state.friction > 0.0 and press > 0.0:
         bristle(I, M, q, parent, node, h, p, contact, dimension)
-        damp_bristle(v, parent, node, p, contact, dimension)
+        damp_bristle(contact, dimension)
         friction(M, load, press, contact, dimension)
     contact.along[0] += press * tipping(q, parent, node, p, normal, dimension)
     return press, gap, speed

@@ -161,11 +161,12 @@ def block_of(I, node, k, l, dimension):
 
 
 @inlined
-def add_point(p, h, rub, contact, sums, dimension):
+def add_point(p, h, rub, of_spring, contact, sums, dimension):
     """Add the derivatives at contact point p of an element to its sums (d, d, 4, 4).
 
-    For components i, j and shape functions k, l. rub: minus the force's derivative to the bristle;
-    it and the contact's stiffness are times the point's weight.
+    For components i, j and shape functions k, l. rub: minus the force's derivative to the bristle,
+    damper and spring; of_spring: of the spring, which is linear along the chord. They and the
+    contact's stiffness are times the point's weight.
     """
     normal = contact.normal
     slip = contact.slip
@@ -178,7 +179,7 @@ def add_point(p, h, rub, contact, sums, dimension):
             across += normal[i] * chord[i]
             slips += slip[i] * chord[i]
     for i in range(dimension):
-        along = rub * (chord[i] - across * normal[i] - slips * slip[i]) if rub != 0.0 else 0.0
+        along = of_spring * (chord[i] - across * normal[i] - slips * slip[i]) if rub != 0.0 else 0.0
         for j in range(dimension):
             a = contact.stiffness[3 * i + j]
             a -= rub * (normal[i] * normal[j] + slip[i] * slip[j])
@@ -260,18 +261,20 @@ def elements_jacobian(I, M, q, v, cv, dimension):
                     turned = spring * free * turn[3 * i + j] if bends else 0.0
                     contact.stiffness[3 * i + j] = weight * (stiff * normal[i] * normal[j] - turned)
             rub = 0.0
+            of_spring = 0.0
             if rubs:
                 press = spring * free
                 bristle(I, M, q, parent, node, h, p, contact, dimension)
-                damp_bristle(v, parent, node, p, contact, dimension)
+                damp_bristle(contact, dimension)
                 sticks, length, rub = friction(M, load, press, contact, dimension)
+                of_spring = weight * rub
                 rub *= 1.0 + cv * contact.ahead
                 for i in range(dimension):
                     slip[i] = 0.0 if sticks else contact.bristle[i] / length
                     push = weight * state.friction * stiff * slip[i]
                     for j in range(dimension):
                         contact.stiffness[3 * i + j] -= push * normal[j]
-            add_point(p, h, weight * rub, contact, sums, dimension)
+            add_point(p, h, weight * rub, of_spring, contact, sums, dimension)
         if touched:
             add_sums(I, M, node, sums, dimension)
 

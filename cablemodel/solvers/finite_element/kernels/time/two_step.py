@@ -14,6 +14,7 @@ is refused here and taken by the one-step scheme, from the same state.
 """
 
 from cablemodel.solvers.finite_element.kernels.element.strain import largest_mean
+from cablemodel.solvers.finite_element.kernels.floor.floor_state import rubs
 from cablemodel.solvers.finite_element.kernels.line.closures import follow_forces
 from cablemodel.solvers.finite_element.kernels.line.newton import (
     NO_TENSION,
@@ -29,6 +30,7 @@ from cablemodel.solvers.finite_element.kernels.line.system import (
     residual,
     set_time,
 )
+from cablemodel.solvers.finite_element.kernels.time.rings import left_in_tensions
 from cablemodel.solvers.finite_element.kernels.time.watched_tension import watched
 from cablemodel.solvers.shared.access import (
     compliance_of,
@@ -171,7 +173,9 @@ def try_two_step(I, M, dt):
     tolerance = state.time_tolerance
     share = min(1.0, dt / state.period)
     enough = BDF_LEFT * tolerance * share * share
-    measure = head.two_step_check <= 0
+    # Cable that rubs sticks and slips: how fast increments shrank before says nothing.
+    measure = head.two_step_check <= 0 or rubs(I, M)
+    most_left = left_in_tensions(I, M, dt)
     previous = 0.0
     moved = 0.0
     for iteration in range(BDF_MOST_ITERATIONS):
@@ -202,7 +206,7 @@ def try_two_step(I, M, dt):
             and ratio < 0.5
             and ratio * size <= enough
             and ratio * tension_change
-            <= TENSION_SETTLED * max(largest, NO_TENSION * state.tension_scale)
+            <= min(TENSION_SETTLED * max(largest, NO_TENSION * state.tension_scale), most_left)
         ):
             head.two_step_check -= 1
             state.largest_tension = max(state.largest_tension, largest)
