@@ -37,10 +37,18 @@ def tension_scale(scene: Scene) -> float:
 def tension_per_length(scene: Scene) -> list[float]:
     """What each cable of the line adds to a typical tension, per length [N/m].
 
-    Weight of all that hangs, and the drag of the line broadside to the fastest relative flow.
+    Weight of all that hangs, and the drag of the line broadside to the fastest relative flow. A
+    line that runs out onto the floor comes down along itself: its ship carries what it weighs over
+    the depth.
     """
     rho = scene.environment.water_density
     gravity = scene.environment.gravity
+    if _runs_out_onto_floor(scene):
+        depth = height_over_floor(scene)
+        share = max(depth, 0.0) / scene.line_length
+        return [
+            share * scene.cable_types[cable.type].typical_weight(gravity) for cable in scene.cables
+        ]
     speed = scene.motion().typical_speed
     if scene.environment.current is not None:
         speed += float(np.max(np.linalg.norm(scene.environment.current.velocity, axis=-1)))
@@ -87,15 +95,25 @@ def _is_bare(scene: Scene) -> bool:
     )
 
 
-def floor_is_in_reach(scene: Scene) -> bool:
-    """Whether the line is so long that it may touch the floor below the tow point at t = 0."""
+def _runs_out_onto_floor(scene: Scene) -> bool:
+    """Whether a line with a free end runs out at t = 0 and may lie on the floor."""
+    return scene.rate_at_start > 0.0 and scene.end.kind == "free" and floor_is_in_reach(scene)
+
+
+def height_over_floor(scene: Scene) -> float:
+    """Least distance of the tow point from the floor at t = 0, if there is one [m]."""
     floor = scene.environment.floor
     if floor is None:
-        return False
+        return math.inf
     x, y, z = scene.motion().evaluate(0.0)[0]
     top = floor.height(x, y) if floor.z is not None else float(floor.grid_z.max())
     slope = math.hypot(*floor.slope) if floor.z is not None else 0.0
-    return bool((z - top) / math.hypot(1.0, slope) < scene.line_length + bodies_length(scene))
+    return float((z - top) / math.hypot(1.0, slope))
+
+
+def floor_is_in_reach(scene: Scene) -> bool:
+    """Whether the line is so long that it may touch the floor below the tow point at t = 0."""
+    return height_over_floor(scene) < scene.line_length + bodies_length(scene)
 
 
 def sinks(scene: Scene) -> bool:
