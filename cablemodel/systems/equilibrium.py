@@ -16,10 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cablemodel.errors import OverturnedStartWarning, StaticsError
-from cablemodel.scene.sea import sea
 from cablemodel.solvers.finite_element.start import sea_floor, search
 from cablemodel.solvers.finite_element.start.falling import TIMES, fall
-from cablemodel.solvers.finite_element.start.waves import refine_line
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import NO_CAPACITY, OK, SEARCH, Header, Settling
 from cablemodel.systems.built import Built
@@ -214,27 +212,28 @@ def placed(scene: SystemScene, whole: SystemScene, guess: Guess, parts: int = 1)
     """A block along a first shape; arguments: see Equilibria."""
     from cablemodel.solvers import library as entry
 
-    nodes = {name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines}
-    water = sea(scene)
-    if water is not None:
-        for name, line in scene.lines.items():
-            accuracy = scene.solver.tolerance * line.length
-            cables = [item.cable for item in line.items if item.cable is not None]
-            nodes[name] = refine_line(water, accuracy, cables, nodes[name], guess.lines[name])
-    built = filled(scene, tree_of(scene, nodes), guess, settings=whole)
-    block = built.block
-    entry.place_on_shape(block.ints, block.reals, guess.table())
-    sea_floor.fill(block, whole)
-    block.header.sleep = 0
+    built = _laid_out(scene, whole, guess, parts)
+    block, shape = built.block, guess.table()
+    while entry.place_on_shape(block.ints, block.reals, shape) == NO_CAPACITY:
+        block.grow()
     entry.place_supports(block.ints, block.reals)
     return built
 
 
+def _laid_out(scene: SystemScene, whole: SystemScene, guess: Guess, parts: int = 1) -> Built:
+    """A block whose nodes are nowhere yet, on elements that waves have not shortened."""
+    nodes = {name: [divided(own, parts) for own in nodes_of(scene, name)] for name in scene.lines}
+    built = filled(scene, tree_of(scene, nodes), guess, settings=whole)
+    sea_floor.fill(built.block, whole)
+    built.block.header.sleep = 0
+    return built
+
+
 def first_along(scene: SystemScene) -> tuple[Built, FloatArray]:
-    """A block along its first shape, and that as the kernels know it, whose ends know their rows of
+    """A block for its first shape, and that as the kernels know it, whose ends know their rows of
     the block's constraints."""
     guess = first_guess(scene, steady_velocity(scene))
-    built = placed(scene, scene, guess)
+    built = _laid_out(scene, scene, guess)
     rows = {
         (held.line, int(held.end is scene.lines[held.line].end)): row
         for row, held in enumerate(built.tree.held)

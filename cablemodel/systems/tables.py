@@ -13,7 +13,7 @@ from cablemodel.scene.sea import Sea, sea
 from cablemodel.solvers.finite_element.block import Block
 from cablemodel.solvers.finite_element.start import waves
 from cablemodel.solvers.finite_element.start.line_tables import edge_row, fill_body, note_choices
-from cablemodel.solvers.finite_element.start.refinement import FALLING_SPARE, REFINEMENT_SPARE
+from cablemodel.solvers.finite_element.start.refinement import FALLING_SPARE
 from cablemodel.solvers.finite_element.start.scales import is_flexible
 from cablemodel.solvers.finite_element.start.sea_floor import PRELOAD, table_words
 from cablemodel.solvers.finite_element.start.tables import fill_current, fill_jumps, fill_settings
@@ -24,7 +24,7 @@ from cablemodel.solvers.finite_element.start.winch import (
 )
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.layout import Header, Scalars
-from cablemodel.solvers.shared.numbers import SLOPE_WEIGHT
+from cablemodel.solvers.shared.numbers import REFINEMENT_SPARE, SLOPE_WEIGHT
 from cablemodel.systems.built import Built
 from cablemodel.systems.free_bodies import FreeBody, Hull
 from cablemodel.systems.guess import Guess, standing

@@ -160,6 +160,7 @@ CASES: dict[str, Any] = {
     "slack warps": (lambda: stored("otter_boards"), {"port_warp": 1.4, "starboard_warp": 1.4,
                                                      "rope": 1.4}),
     "friction on chains": (lambda: stored("buoy_on_three_legs"), {"a": 0.95}),
+    "slack chains in waves": (lambda: stored("buoy_on_three_legs"), {"a": 1.5, "b": 1.5, "c": 1.5}),
     "a bridle": (lambda: stored("bridle_tow"), {"port": 1.05, "starboard": 1.05}),
     "otter boards": (lambda: stored("otter_boards"), {"port_warp": 0.95}),
     "a vehicle's tether": (lambda: stored("cage_and_vehicle"), {"tether": 1.1, "umbilical": 0.9}),
@@ -170,7 +171,7 @@ CASES: dict[str, Any] = {
 }  # fmt: skip
 SAME_MESH = ("a load on a wire", "half of that", "one line between two", "lines between ships",
              "a bridle", "a cage and its drum", "a drum at the end", "an array on its drum",
-             "drums at both ends")  # fmt: skip
+             "drums at both ends", "friction on chains", "slack chains in waves")  # fmt: skip
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -234,6 +234,7 @@ class Scalars(Record, first=HEADER_WORDS):
     wave_step = real("longest step that resolves them", "s")
     wave_depth = real("water depth", "m")
     wave_crest = real("sum of the amplitudes", "m")
+    wave_number = real("k of a wave of their period", "1/m")
 
     clamp_tension = real("tension at a clamped tow point, smoothed over time", "N")
     largest_tension = real("so far, either way", "N")

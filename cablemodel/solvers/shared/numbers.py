@@ -13,6 +13,10 @@ END_BEND = 0.25  # of what r'' changes by in an element at an end: its jump besi
 # Of static shapes: how their mesh is refined, and the floors on which they are sought.
 REFINEMENT_ROUNDS = 14  # times that a mesh is refined at most
 REFINEMENT_BENT = 2.5  # of tau L: what h^2 times the jump of curvature may be in a static shape
+REFINEMENT_SPARE = (24, 2.0)  # nodes for later bends: so many, and times those at the start
+# Height of an element at the surface: in crests, or in tau L, whichever allows more. Its wet part
+# is known, wherever it ends; the load along it is not that of a cubic's nodes.
+TALLEST = (4.0, 10.0)
 LARGEST_STATIC_MESH = 4000  # nodes beyond which no more are added where it bends
 # Contact layers, in units of their own, in turn where a start fails: rows that end with 1. Beyond
 # the first row for a line that sinks too deep into the first floor, and folds there.

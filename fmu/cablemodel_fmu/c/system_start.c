@@ -408,8 +408,11 @@ static int64_t begin_anew(Cable *cable, double velocity[3], int parts) {
     }
     for (int n = 1; status == OK && n < parts; n *= 2)
         if (halve_all(cable) == NO_CAPACITY) status = NO_CAPACITY;
+    if (status == OK)
+        do
+            status = cablemodel_place_on_shape(cable->I, cable->block_words, shape, file_header(cable->file)->shape_words);
+        while (status == NO_CAPACITY && grow(cable));
     if (status == OK) {
-        cablemodel_place_on_shape(cable->I, cable->block_words, shape, file_header(cable->file)->shape_words);
         cablemodel_place_supports(cable->I, cable->block_words);
         status = settle(cable, velocity);
     }

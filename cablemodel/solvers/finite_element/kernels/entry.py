@@ -133,8 +133,7 @@ def find_first_shape(I, M, shape, work):
 @entry_point(int64(INTEGERS, REALS, REALS))
 def place_on_shape(I, M, shape):
     """Nodes of a system along a FirstShape: strings.place_on_shape."""
-    strings.place_on_shape(I, M, shape)
-    return 0
+    return strings.place_on_shape(I, M, shape)
 
 
 @entry_point(int64(INTEGERS, REALS, REALS, float64))

@@ -31,6 +31,7 @@ from cablemodel.solvers.shared.numbers import (
     LARGEST_STATIC_MESH,
     REFINEMENT_BENT,
     REFINEMENT_ROUNDS,
+    REFINEMENT_SPARE,
     SAME_PLACE,
 )
 
@@ -40,8 +41,6 @@ IntArray = NDArray[np.int64]
 FAR_TOO_BENT = 4.0
 """Times REFINEMENT_BENT, from where on halving elements once would not do: an FMU, whose elements
 are as they are, warns of a start that it found anew."""
-REFINEMENT_SPARE = 24, 2.0
-"""Nodes for shapes that bend more later on: so many, and times those at the start."""
 FALLING_SPARE = 200
 """Nodes for what is cut off and folds as it falls, beside those."""
 WINCH = 2

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -17,18 +16,15 @@ from cablemodel.solvers.finite_element.mesh import halved_where
 from cablemodel.solvers.shared import layout as at
 from cablemodel.solvers.shared.curves import way_along
 from cablemodel.solvers.shared.layout import Header, Scalars
+from cablemodel.solvers.shared.numbers import TALLEST
 
 if TYPE_CHECKING:
     from cablemodel.scene import Scene
-    from cablemodel.scene.line import Cable
 
 FloatArray = NDArray[np.float64]
 
 RESOLUTION = 8.0
 """Steps in the shortest period that carries energy, at least."""
-TALLEST = 4.0, 10.0
-"""Heights of an element at the surface: in crests, or in tau L, whichever allows more. Its wet part
-is known, wherever it ends; the load along it is not that of a cubic's nodes."""
 SEA_FEWEST = 32
 """Components from which on a series for all of them is less work than their sum."""
 CELL_ERROR = 10.0, 1e-2
@@ -67,6 +63,7 @@ def fill(block: Block, waves: Sea | None, tolerance: float) -> None:
     state.wave_step = 2.0 * math.pi / fast / RESOLUTION
     state.wave_depth = min(waves.depth, 1e300)
     state.wave_crest = float(waves.amplitude.sum())
+    state.wave_number = 2.0 * math.pi / waves.length
     state.wave_x = math.cos(waves.direction)
     state.wave_y = math.sin(waves.direction)
     mirror = np.exp(-2.0 * waves.number * waves.depth)
@@ -209,19 +206,8 @@ def refine(scene: Scene, nodes: list[FloatArray], points: FloatArray) -> list[Fl
     if waves is None:
         return nodes
     accuracy = scene.solver.tolerance * scene.line_length
-    return refine_line(waves, accuracy, scene.cables, nodes, points)
-
-
-def refine_line(
-    waves: Sea,
-    accuracy: float,
-    cables: Sequence[Cable],
-    nodes: list[FloatArray],
-    points: FloatArray,
-) -> list[FloatArray]:
-    """The same of a line made of these cables, of an accuracy tau L [m]."""
     arc = way_along(points)
-    arc *= math.fsum(cable.length for cable in cables) / arc[-1]
+    arc *= math.fsum(cable.length for cable in scene.cables) / arc[-1]
     number = 2.0 * math.pi / waves.length
     crest = 2.0 * math.sqrt(0.5 * float(np.sum(waves.amplitude**2)))  # half of hs, of a wave 1.4 a
     tallest = max(TALLEST[0] * crest, TALLEST[1] * accuracy)
@@ -233,4 +219,4 @@ def refine_line(
         at_surface = ends.min() < crest and ends.max() > -crest
         return number * (b - a) > 1.0 or bool(at_surface and abs(ends[1] - ends[0]) > tallest)
 
-    return halved_where(list(cables), nodes, is_too_long)
+    return halved_where(scene.cables, nodes, is_too_long)

@@ -5,6 +5,9 @@ Strings pull and do not push, so the energy is convex and has one lowest place, 
 
 import math
 
+from cablemodel.solvers.finite_element.kernels.mesh.bending_mesh import halve_for_good, is_counted
+from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
+from cablemodel.solvers.finite_element.kernels.start.settling import size_cables
 from cablemodel.solvers.finite_element.kernels.start.string_energy import (
     STRETCHES,
     find_lowest,
@@ -42,11 +45,22 @@ from cablemodel.solvers.shared.access import (
     first_shape_at,
     free_body_of,
     header,
+    scalars,
     vector,
 )
-from cablemodel.solvers.shared.compile import kernel, view
-from cablemodel.solvers.shared.layout import JOINT_FREE, JOINT_HINGE, JOINT_NONE, JOINT_ROOT_FREE
-from cablemodel.solvers.shared.numbers import NO_SIZE
+from cablemodel.solvers.shared.compile import kernel, outlined, view
+from cablemodel.solvers.shared.layout import (
+    CHANGED,
+    JOINT_FREE,
+    JOINT_HINGE,
+    JOINT_NONE,
+    JOINT_ROOT_FREE,
+    NO_CAPACITY,
+    NOTHING,
+    OK,
+    W_AMPLITUDE,
+)
+from cablemodel.solvers.shared.numbers import NO_SIZE, REFINEMENT_SPARE, TALLEST
 
 UPRIGHT_LINE = 0.1
 """Of a line's length: span across which it counts as upright."""
@@ -253,7 +267,7 @@ def place_on_line(I, M, words, node, element, sense):
 
 
 @kernel
-def place_on_shape(I, M, words):
+def place_nodes(I, M, words):
     """Nodes of a system along its first shape, bodies at theirs, as they are turned there."""
     head = header(I)
     for node in range(head.nodes):
@@ -288,3 +302,53 @@ def place_on_shape(I, M, words):
             for i in range(3):
                 above = head.position + 6 * I[head.parent + node]
                 M[head.position + 6 * node + i] = M[above + i]
+
+
+@outlined
+def halve_in_waves(I, M, words):
+    """Halve elements along a first shape that are longer than 1/k where waves reach, half a length
+    deep, or too tall at the surface. NOTHING, CHANGED or NO_CAPACITY."""
+    head = header(I)
+    state = scalars(M)
+    square = 0.0
+    for n in range(head.wave_count):
+        square += M[head.waves + W_AMPLITUDE * head.wave_count + n] ** 2
+    crest = 2.0 * math.sqrt(0.5 * square)  # half of hs, of a wave 1.4 a
+    changed = NOTHING
+    node = head.nodes - 1  # from the last one on: halves go where the whole one went
+    while node >= 1:
+        if I[head.joint + node] == JOINT_NONE and not is_counted(I, M, node):
+            edge = edge_of(I, M, node)
+            first = M[head.position + 6 * I[head.parent + node] + 2]
+            last = M[head.position + 6 * node + 2]
+            low, high = min(first, last), max(first, last)
+            line = int(cable_of(I, M, int(edge.segment)).row)
+            accuracy = state.tolerance * length_in(words, line)
+            tallest = max(TALLEST[0] * crest, TALLEST[1] * accuracy)
+            is_too_tall = low < crest and high > -crest and high - low > tallest
+            if (
+                state.wave_number * high >= -math.pi
+                and (state.wave_number * edge.length > 1.0 or is_too_tall)
+                and may_be_halved(I, M, node)
+            ):
+                if halve_for_good(I, M, node) != OK:
+                    return NO_CAPACITY
+                state.most_nodes += REFINEMENT_SPARE[1]
+                changed = CHANGED
+        node -= 1
+    return changed
+
+
+@kernel
+def place_on_shape(I, M, words):
+    """A system along its first shape, on elements that are short enough for its waves. OK, or
+    NO_CAPACITY: the block must grow, and this be called again."""
+    found = CHANGED
+    while found == CHANGED:
+        place_nodes(I, M, words)
+        found = NOTHING if header(I).wave_count == 0 else halve_in_waves(I, M, words)
+    if found == NO_CAPACITY:
+        return found
+    if header(I).wave_count != 0:
+        size_cables(I, M)
+    return OK
