@@ -297,6 +297,8 @@ def test_the_force_by_the_motion_of_the_last_step(taut, how, name, dt, timing):
     again = np.array(again).T
     assert again[0, 0] < -400.0
     assert found[0, 0] == pytest.approx(again[0, 0], rel=0.1)
+    told = [text for _, text in slave.messages if "elsewhere drive by velocity" in text]
+    assert len(told) == (how != 1)  # once
     if how == 1:
         np.testing.assert_allclose(np.diag(found), np.diag(again), rtol=0.5)
     slave.close()

@@ -259,6 +259,8 @@ def test_forces_and_moments_by_the_motion_of_the_last_step(
                 sides.append(wrenches(slave))
             again.append((sides[1] - sides[0]) / (2 * small))
         assert_near(matrix, np.array(again).T, 0.25)
+    told = [text for _, text in slave.messages if "elsewhere drive by velocity" in text]
+    assert len(told) == (how != 1)  # once
     assert found[0][0, 0] < -400.0
     slave.close()
 

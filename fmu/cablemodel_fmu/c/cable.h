@@ -34,6 +34,10 @@ typedef struct {
     int64_t set, driving;
 } Input;
 enum { WORDS_OF_INPUT = sizeof(Input) / 8 };
+/* How a start is left by itself that was found anew. */
+enum { AS_EXPORTED = 1, SWINGS_UP };
+#define NO_EQUILIBRIUM "no static equilibrium was found at this start: export the scene with it"
+
 /* Where a vessel of a system begins, and how fast; its inputs begin with the same. */
 typedef struct {
     double position[3], velocity[3], attitude[3];
@@ -88,7 +92,8 @@ typedef struct Cable {
     double *wrenches; /* of a system: rates of forces and moments on vessels, and room for two of them */
     double bent; /* times as much as the exported elements can follow, of the shape at the start; or 0 */
     double stretched; /* strain at such a start, where it is a large one and was not exported; or 0 */
-    int leaves; /* such a start may be left by itself, as the exported one may */
+    int leaves; /* such a start may be left by itself: AS_EXPORTED is, or as it SWINGS_UP */
+    int by_place; /* a derivative was asked for after a step in which a place drove */
     double pressed; /* lowest tension of a start that was found anew, where it presses the line; or 0 */
     double left; /* iterations times nodes that are left of a search for such a start, of a system */
     /* The run that the errors of this one are estimated by; NULL where that is not asked for. Its

@@ -124,12 +124,13 @@ static void change_at_end(const Controls *now, int64_t by, int is_position, int 
     end[2] = 4.0 * velocity / h - 6.0 * (position + (by == BY_POSITION) * h * velocity) / (h * h);
 }
 
-static void add_motion(const Cable *cable, unsigned vr, double change, MotionChange *motion) {
+static void add_motion(Cable *cable, unsigned vr, double change, MotionChange *motion) {
     const int axis = (int)vr % 3;
     double end[3];
     if (!(cable->now.last_driven & (VELOCITY_SET | POSITION_SET))) return;
     const int went_on = (input_at(cable, vr)->driving & WENT_ON) != 0;
     change_at_end(&cable->now, cable->now.last_mode, inputs_of(vr) == POSITION_SET, went_on, change, end);
+    cable->by_place |= cable->now.last_mode != BY_VELOCITY;
     motion->position[axis] += end[0];
     motion->velocity[axis] += end[1];
     motion->acceleration[axis] += end[2];
@@ -165,6 +166,7 @@ static const char *response_in_system(Cable *cable, const unsigned unknown[], si
     for (size_t n = 0; n < knowns; n++) {
         if (!motion_of(cable, known[n], &input) || input.by == 0) continue;
         change_at_end(&cable->now, input.by, input.is_position, input.went_on, change[n], end);
+        cable->by_place |= input.by != BY_VELOCITY;
         size += fabs(end[0]) + length * fabs(end[1]);
     }
     const double share = size > 0.0 ? VESSEL_ASIDE / size : 0.0;

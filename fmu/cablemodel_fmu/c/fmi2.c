@@ -22,7 +22,7 @@ static const struct {
                   {"logEvents", LOG_EVENTS},
                   {"logAll", LOG_ERROR | LOG_WARNING | LOG_DISCARD | LOG_EVENTS}};
 enum { CATEGORIES = sizeof categories / sizeof categories[0] };
-enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID, SHORTEST_SAID = 2 * DRUM_SAID };
+enum { JUMP_SAID = ALL_SET + 1, DRUM_SAID = 2 * JUMP_SAID, SHORTEST_SAID = 2 * DRUM_SAID, PLACE_SAID = 2 * SHORTEST_SAID };
 enum { ZERO_STEPS = 10 }; /* in which an input that is set stays 0, before a warning */
 #define TIME_ROUNDED 1e-9 /* of times: a step that begins or ends beside where it may, by rounding */
 #define STEP_ROUNDED 1e-6 /* of a step: the same */
@@ -206,8 +206,10 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
                "%g N): it may not be the one that the line stays in; export the scene with these values",
                in->cable.pressed);
     if (in->cable.leaves)
-        report(in, fmi2Warning, "fmi2ExitInitializationMode: this start may fall or swing up by itself, as the scene's "
-               "own may: export the scene with these values, where another one is looked for");
+        report(in, fmi2Warning, "fmi2ExitInitializationMode: %s", in->cable.leaves == SWINGS_UP
+               ? "this start swings up by itself, as that of a scene with these values does"
+               : "this start may fall or swing up by itself, as the scene's own may: export the scene with these "
+                 "values, where another one is looked for");
     in->cable.now.phase = STEPPING;
     return report(in, fmi2OK, "initialized at t = %g s", cable_time(&in->cable));
 }
@@ -618,5 +620,11 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
             return report(in, fmi2Error, "%s: a value is not finite", __func__);
     const char *problem = response_of(&in->cable, unknowns, unknown_count, known, known_count,
                                       dv_known, dv_unknown);
-    return problem == NULL ? fmi2OK : report(in, fmi2Error, "%s: %s", __func__, problem);
+    if (problem != NULL) return report(in, fmi2Error, "%s: %s", __func__, problem);
+    if (in->cable.by_place && !(in->warned & PLACE_SAID)) {
+        in->warned |= PLACE_SAID;
+        report(in, fmi2Warning, "%s: where places drive, derivatives are right along taut lines alone: elsewhere "
+               "drive by velocity", __func__);
+    }
+    return fmi2OK;
 }

@@ -267,5 +267,5 @@ const char *settle_line(Cable *cable) {
                                                              : "vessel.start_velocity");
     }
     if (status == NO_CAPACITY) return refuse_on_floor(cable); /* elements follow a line down to it */
-    return "no static equilibrium was found for these lengths, coefficients and start";
+    return NO_EQUILIBRIUM;
 }

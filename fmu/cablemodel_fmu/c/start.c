@@ -7,6 +7,8 @@
 
 #include "cable.h"
 
+#define HALVINGS_OF_RATE 20 /* to 2e-6 of half of it: two that are coupled at all differ by more */
+
 /* How far a shape is from what its elements can follow. */
 Shape shape_of(const Cable *cable) {
     Shape found = {0};
@@ -68,10 +70,9 @@ void give_back(Cable *cable, const int64_t *image) {
     memcpy(cable->I, image, 8 * (size_t)cable->image_words);
 }
 
-/* How many small motions about a start grow by themselves, as `stays` of
-   cablemodel/solvers/finite_element/start/unstable_start.py looks at it. 0: none; -1: it cannot be told. */
-int64_t count_growing(Cable *cable) {
-    const double rate = SLOWEST / scalars(cable->M)->period;
+/* How many small motions about a start grow by themselves by more than a rate [1/s], as `stays` of
+   cablemodel/solvers/finite_element/start/unstable_start.py looks at it. -1: it cannot be told. */
+static int64_t count_above(Cable *cable, double rate) {
     double frame[3], none[1];
     const int64_t words = cablemodel_count_leaving(cable->I, cable->block_words, rate, none, 0);
     int64_t found = -1, *kept = copy_of_image(cable);
@@ -87,14 +88,38 @@ int64_t count_growing(Cable *cable) {
     return found;
 }
 
+static double slowest_growth(const Cable *cable) {
+    return SLOWEST / scalars(cable->M)->period;
+}
+
+/* 0: none grows by a rate that matters. */
+int64_t count_growing(Cable *cable) {
+    return count_above(cable, slowest_growth(cable));
+}
+
+/* Whether what grows fastest swings: a pair of motions does. Nothing but foils feeds a swing; without
+   them two that grow alike fall, either way. */
+static int swings_up(Cable *cable) {
+    if (header(cable->I)->foil_count == 0) return 0;
+    double low = slowest_growth(cable), high = 2.0 * low;
+    while (count_above(cable, high) > 0) low = high, high *= 2.0;
+    for (int n = 0; n < HALVINGS_OF_RATE; n++) {
+        const double middle = sqrt(low * high);
+        *(count_above(cable, middle) > 0 ? &low : &high) = middle;
+    }
+    const int64_t found = count_above(cable, low);
+    return found > 0 && found % 2 == 0;
+}
+
 /* Why a start that was found anew, which the line leaves by itself, is none to begin with; NULL: it is
-   warned of, as the exported one is left, too. */
+   warned of, as the exported one is left, too, or as it swings up: the library looks for another one
+   where a start falls. */
 const char *refuse_growth(Cable *cable, const char *changed) {
-    cable->leaves = (cable->flags & FLAG_LEAVES) != 0;
+    cable->leaves = (cable->flags & FLAG_LEAVES) ? AS_EXPORTED : swings_up(cable) ? SWINGS_UP : 0;
     if (cable->leaves) return NULL;
     snprintf(cable->message, sizeof cable->message,
-             "%s is not the scene's: the start that is found with it falls or swings up by itself; export the "
-             "scene with this value, where another one is looked for", changed);
+             "%s is not the scene's: the start that is found with it falls by itself; export the scene with this "
+             "value, where another one is looked for", changed);
     return cable->message;
 }
 

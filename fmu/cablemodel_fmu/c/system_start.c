@@ -487,14 +487,14 @@ static const char *search(Cable *cable) {
     }
     if (first < 0)
         return cable->left > 0.0
-                   ? "no static equilibrium was found at this start: export the scene with it"
-                   : "no static equilibrium was found at this start: export the scene with it (the search ended with "
+                   ? NO_EQUILIBRIUM
+                   : NO_EQUILIBRIUM " (the search ended with "
                      "the scene's solver.start_time_limit)";
     if (growing != 0) {
-        const char *left = refuse_growth(cable, name_changed(cable, name, sizeof name));
-        if (left != NULL) return left;
         cable->left = INFINITY; /* it was found before */
         status = find_by(cable, &way, velocity, first);
+        const char *left = refuse_growth(cable, name_changed(cable, name, sizeof name));
+        if (left != NULL) return left;
     }
     if (!differs(velocity, (const double[3]){0})) status = let_friction_hold(cable);
     if (status == NO_CAPACITY) return "out of memory";
