@@ -7,7 +7,7 @@
 
 #include "cable.h"
 
-#define HALVINGS_OF_RATE 20 /* to 2e-6 of half of it: two that are coupled at all differ by more */
+#define HALVINGS_OF_RATE 20 /* to a part in a million: what is coupled at all differs by more */
 
 /* How far a shape is from what its elements can follow. */
 Shape shape_of(const Cable *cable) {
