@@ -17,6 +17,7 @@ from cablemodel.solvers.finite_element.kernels.start.string_energy import (
 from cablemodel.solvers.finite_element.kernels.start.string_masses import (
     group_masses,
     lay_masses,
+    length_in,
     load_masses,
     tie_masses,
 )
