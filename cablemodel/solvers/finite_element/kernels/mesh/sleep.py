@@ -73,7 +73,7 @@ SLEEP_SPARE = 0.1  # of the friction over the way before A: least change of tens
 SLEEP_CALM, ROUGH = 0.25, 0.5  # of the friction: what water may take of what falls asleep; sleeps
 FEWEST_AWAKE = 12  # elements
 LEAST_PART = 0.125  # of the nodes awake: fewer do not pay for a new matrix
-SLEEP_PAUSE = 0.1, 4.0  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
+SLEEP_PAUSE = 0.1, 0.4  # between looks for cable at rest, and after waking, in units of sqrt(L/g)
 TURN_WEIGHT = SLOPE_WEIGHT * SLOPE_WEIGHT  # of h^2: what the square of a slope's rate counts
 WATER_SPARE = 0.1  # of the friction: most that waves may take of what may sleep at all
 
