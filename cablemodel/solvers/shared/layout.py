@@ -10,7 +10,7 @@ the FMU's state and its serialisation are a copy of it.
 from cablemodel.solvers.shared.record import Record, integer, part, real, reals, spare
 
 MAGIC = 0x4C45444F4D454C42  # "BLEMODEL", little endian
-VERSION = 29
+VERSION = 30
 
 FLOOR_NONE, FLOOR_PLANE, FLOOR_TABLE = 0, 1, 2
 FLOOR_FAR, FLOOR_ABOVE, FLOOR_TOUCHED = 0, 1, 2  # nothing of it is felt; the mesh knows; forces
@@ -549,6 +549,7 @@ class Constraint(Record):
     wave_element = real("the longest that an element may be, as the time of sound", "s")
     mode_frequency = real("of the first motion along itself of what hangs there", "rad/s")
     mode_mass = real("that moves with it when the node accelerates", "kg")
+    bow = real("1: that motion is across, of a line that hangs in a bow")
 
 
 CONSTRAINT_WORDS = Constraint.WORDS

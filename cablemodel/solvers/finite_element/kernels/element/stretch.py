@@ -66,10 +66,7 @@ def third_strain(I, M, node):
 @kernel
 def splitting_tears(I, M, node):
     """Whether the third mode of the taut element above a node would become more tension of its
-    pieces than it has itself, by more than tensions may be wrong by; and what it has [N]. Not where
-    nothing damps a line: there the mode rings."""
-    if scalars(M).undamped != 0.0:
-        return False, 0.0
+    pieces than it has itself, by more than tensions may be wrong by; and what it has [N]."""
     edge = edge_of(I, M, node)
     promised = promised_tension(M)
     tension = tension_of(I, M, node)

@@ -496,18 +496,27 @@ def split_edge(I, M, edge, x, hinge):
 
 
 @kernel
-def split_element(I, M, edge, x):
-    """Split an element in two. Where waves run, and at a winch that pays out, both rest as they are
-    stretched, where that would become tension. OK or NO_CAPACITY."""
-    top = winch_of_edge(I, M, edge)
-    keeps = header(I).axial_waves != 0 or (top >= 0 and winch_of(I, M, top).rate > 0.0)
-    tears, third = splitting_tears(I, M, edge) if keeps else (False, 0.0)
+def split_as_stretched(I, M, edge, x):
+    """Split an element in two that rest as they are stretched, where that would become tension. OK
+    or NO_CAPACITY."""
+    tears, third = splitting_tears(I, M, edge)
     status = split_edge(I, M, edge, x, False)
     if status == OK and tears:
         split_third(I, M, edge, edge + 1, x, third)
         rest_as_stretched(I, M, edge)
         rest_as_stretched(I, M, edge + 1)
     return status
+
+
+@kernel
+def split_element(I, M, edge, x):
+    """Split an element in two, where waves run, and at a winch that pays out, as it is stretched.
+    Not where nothing damps a line: there its third mode rings. OK or NO_CAPACITY."""
+    top = winch_of_edge(I, M, edge)
+    keeps = header(I).axial_waves != 0 or (top >= 0 and winch_of(I, M, top).rate > 0.0)
+    if keeps and scalars(M).undamped == 0.0:
+        return split_as_stretched(I, M, edge, x)
+    return split_edge(I, M, edge, x, False)
 
 
 @kernel

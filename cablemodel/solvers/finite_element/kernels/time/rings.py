@@ -11,8 +11,9 @@ is allowed may be damped away at once: no more than all of it can be missed.
 A body that comes out of waves, or goes in, is knocked, too. There steps listen for rings: what one
 misses of a ring its embedded solution tells (`tension.hears`).
 
-Every end that a vessel holds has a ring of its own, watched in the element next to it. What rings
-shakes all that hangs there: the line that may least be wrong says what the ring may be.
+Every end that a vessel holds has a ring of its own, watched in the element next to it: that of a
+bow (`bows.py`), or of what hangs there as on one end. What rings shakes all that hangs there: the
+line that may least be wrong says what the ring may be.
 """
 
 import math
@@ -25,6 +26,7 @@ from cablemodel.solvers.finite_element.kernels.element.tables import (
     WINDOW,
 )
 from cablemodel.solvers.finite_element.kernels.floor.floor_state import rubs
+from cablemodel.solvers.finite_element.kernels.time.bows import bow_mode
 from cablemodel.solvers.finite_element.kernels.time.consistency import (
     jerk_jump,
     jump_along,
@@ -207,11 +209,20 @@ def axial_mode(I, M, held):
 
 @kernel
 def find_mode(I, M, row):
-    """Write `axial_mode` of what hangs at an end into its row, where the mesh is another one.
+    """Write the mode of a bow into the row of an end, which goes with the shape, or else
+    `axial_mode` of what hangs there, where the mesh is another one.
 
     With a winch it always is; in a system the share of what is allowed goes with the tensions.
     """
     head = header(I)
+    mode = bow_mode(I, M, int(row.node), watched_element(I, row))
+    if mode[0] > 0.0:
+        row.mode_frequency, row.mode_mass, row.ring_share = mode
+        row.bow = 1.0
+        return
+    if row.bow != 0.0:
+        row.bow = 0.0
+        scalars(M).modes_known = 0.0
     if scalars(M).modes_known == 0.0 or head.payout != 0 or head.parts != 0:
         mode = axial_mode(I, M, int(row.node))
         row.mode_frequency, row.mode_mass, row.ring_share = mode

@@ -64,6 +64,7 @@ from cablemodel.solvers.finite_element.kernels.time.esdirk import (
     try_step,
 )
 from cablemodel.solvers.finite_element.kernels.time.promote import promote
+from cablemodel.solvers.finite_element.kernels.time.ring_mesh import follow_with_mesh
 from cablemodel.solvers.finite_element.kernels.time.rings import (
     begin_rings,
     follow_rings,
@@ -97,7 +98,7 @@ from cablemodel.solvers.finite_element.kernels.time.two_step import (
     two_step_gamma,
 )
 from cablemodel.solvers.finite_element.kernels.time.watched_tension import remember_tensions
-from cablemodel.solvers.finite_element.kernels.time.waves import end_waves, follow_with_mesh
+from cablemodel.solvers.finite_element.kernels.time.waves import end_waves
 from cablemodel.solvers.shared.access import (
     edge_of,
     header,
@@ -154,6 +155,7 @@ class Plan(Record):
     stop = real("the time to land on", "s")
     to_output = integer("1: it ends the call")
     after_a_stop = integer("1: what drives the line may have a breakpoint where it begins")
+    began = integer("1: rings may have begun with it, and their mesh is not looked at yet")
     unprojected = integer("1: a step of order 4 came before, which leaves velocities as they are")
     last_jump = real("when a velocity last jumped", "s")
     iterations = integer("Newton's, before it")
@@ -208,7 +210,7 @@ def change_mesh(I, M, rests):
     if rests:
         first = place_to_sleep(I, M)
         prepare_joining(I, M, first)
-    if head.axial_waves != 0 and follow_with_mesh(I, M, True) == NO_CAPACITY:
+    if head.rings + head.axial_waves != 0 and follow_with_mesh(I, M, True) == NO_CAPACITY:
         return NO_CAPACITY
     found = NOTHING
     if head.floor_state != FLOOR_FAR:
@@ -300,7 +302,7 @@ def change_what_is_due(I, M):
         or (head.payout != 0 and anything_passes(I, M))
         or (head.floor_state != FLOOR_FAR and follow_floor(I, M, False, 0) != NOTHING)
         or (mesh_is_due(I, M) and follow_bending(I, M, False) != NOTHING)
-        or (head.axial_waves != 0 and follow_with_mesh(I, M, False) != NOTHING)
+        or (head.rings + head.axial_waves != 0 and follow_with_mesh(I, M, False) != NOTHING)
     ):
         return change_mesh(I, M, rests)
     return OK
@@ -321,8 +323,10 @@ def plan_step(I, M, plan):
         if acceleration_jump != 0.0:
             head.settled = 0
         natural = longest_payout_step(I, M, natural)
+    plan.began = 0
     if plan.after_a_stop != 0 or acceleration_jump != 0.0:
         begin_rings(I, M, natural)
+        plan.began = 1 if acceleration_jump == 0.0 else 0
         plan.after_a_stop = 0
     if jump * natural > state.time_tolerance:
         natural = max(state.time_tolerance / jump, AFTER_A_JUMP * state.smallest_step)
@@ -583,6 +587,8 @@ def advance_to(I, M, t_end):
         if status != OK:
             break
         plan_step(I, M, plan)
+        if plan.began != 0 and head.rings != 0 and follow_with_mesh(I, M, False) != NOTHING:
+            continue  # what the tension jumps by is right on elements that are short enough
         happened = attempt(I, M, plan)
         if happened == MADE:
             status = take(I, M, plan)

@@ -22,8 +22,6 @@ import math
 
 from cablemodel.solvers.finite_element.kernels.element.stabilisation import soften
 from cablemodel.solvers.finite_element.kernels.element.tables import GAMMA, NUMERATOR, STAGES
-from cablemodel.solvers.finite_element.kernels.mesh.payout import split_element
-from cablemodel.solvers.finite_element.kernels.mesh.touchdown_mesh import may_be_halved
 from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
 from cablemodel.solvers.finite_element.kernels.time.watched_tension import is_root, watched_element
 from cablemodel.solvers.shared.access import (
@@ -39,14 +37,7 @@ from cablemodel.solvers.shared.access import (
     winch_of,
 )
 from cablemodel.solvers.shared.compile import inlined, kernel
-from cablemodel.solvers.shared.layout import (
-    CHANGED,
-    FLOOR_TOUCHED,
-    NO_CAPACITY,
-    NOTHING,
-    OK,
-    AlongRows,
-)
+from cablemodel.solvers.shared.layout import FLOOR_TOUCHED, AlongRows
 
 ROW_TIMES, ROW_SPEEDS = AlongRows.times.word, AlongRows.speeds.word
 
@@ -54,7 +45,6 @@ MOST_LASTING = 2000.0  # rad: longest that a ring, or a first wave, is taken to 
 OVERTONES = 32  # most that are followed
 ALL_WAVES = math.pi * math.pi / 6.0  # of the first wave's amplitude: that of all together
 ELEMENT_DISPERSION = 1e-5  # of a wave's frequency: what elements are off by, over (w t)^6 of each
-ELEMENT_TOO_LONG = 1.5  # of what an element may have: longer ones are divided
 TURN_FINER = 1.1  # least by which a turn is divided further
 
 
@@ -355,42 +345,3 @@ def longest_wave_element(I, M, row, allowed):
     while missed_by_elements(row, amplitude, relaxed, math.pi / parts) > most:
         parts = math.floor(TURN_FINER * parts) + 1.0
     return math.pi / (parts * row.wave_frequency)
-
-
-@kernel
-def parts_for_waves(I, M, node, longest):
-    """Into how many parts the element above a node is divided so that none is longer, as the time
-    of sound, than `longest` [s]; 1: it stays."""
-    if I[header(I).joint + node] != 0:
-        return 1
-    edge = edge_of(I, M, node)
-    parts = math.ceil(time_of_sound(edge) / (ELEMENT_TOO_LONG * longest))
-    return int(parts) if parts > 1.0 and may_be_halved(I, M, node) else 1
-
-
-@kernel
-def follow_with_mesh(I, M, change):
-    """Whether elements that waves run along are too long; with `change`, divide them, for good.
-
-    NOTHING, CHANGED (or to be changed), or NO_CAPACITY: the block must grow first.
-    """
-    head = header(I)
-    changed = NOTHING
-    for n in range(head.constraint_count):
-        row = constraint_of(I, M, n)
-        if row.wave == 0.0:
-            continue
-        root, end = tree_of(I, int(row.node))
-        for node in range(end - 1, root, -1):
-            parts = parts_for_waves(I, M, node, row.wave_element)
-            if parts > 1 and not change:
-                return CHANGED
-            for left in range(parts, 1, -1):
-                if split_element(I, M, node + parts - left, 1.0 / left) != OK:
-                    return NO_CAPACITY
-                changed = CHANGED
-            for part in range(node, node + parts):
-                edge = edge_of(I, M, part)
-                edge.nominal = min(edge.nominal, edge.length)
-            scalars(M).most_nodes += parts - 1.0
-    return changed
