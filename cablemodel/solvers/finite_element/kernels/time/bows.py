@@ -89,8 +89,10 @@ def bow_mode(I, M, held, top):
     mass that moves with the node along the line as that accelerates [kg], and of what is allowed of
     the tension of the element `top` the part that the line has which it harms most. 0: no bow."""
     head = header(I)
+    if head.constraint_count < 2 or head.floor_state == FLOOR_TOUCHED:
+        return 0.0, 0.0, 1.0
     root, end = tree_of(I, held)
-    if head.floor_state == FLOOR_TOUCHED or not is_one_line(I, M, root, end):
+    if not is_one_line(I, M, root, end):
         return 0.0, 0.0, 1.0
     bends = 0.0
     gives = 0.0

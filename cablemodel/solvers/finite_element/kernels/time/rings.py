@@ -208,30 +208,29 @@ def axial_mode(I, M, held):
 
 
 @kernel
-def find_mode(I, M, row):
-    """Write the mode of a bow into the row of an end, which goes with the shape, or else
-    `axial_mode` of what hangs there, where the mesh is another one.
+def find_mode(I, M, row, jumps):
+    """Write the mode of a bow into the row of an end, or else `axial_mode` of what hangs there,
+    where the mesh is another one.
 
-    With a winch it always is; in a system the share of what is allowed goes with the tensions.
+    With a winch it always is; in a system the share of what is allowed goes with the tensions; a
+    bow's goes with the shape, wherever the end's motion jumps.
     """
     head = header(I)
-    mode = bow_mode(I, M, int(row.node), watched_element(I, row))
-    if mode[0] > 0.0:
-        row.mode_frequency, row.mode_mass, row.ring_share = mode
-        row.bow = 1.0
-        return
-    if row.bow != 0.0:
-        row.bow = 0.0
-        scalars(M).modes_known = 0.0
-    if scalars(M).modes_known == 0.0 or head.payout != 0 or head.parts != 0:
-        mode = axial_mode(I, M, int(row.node))
-        row.mode_frequency, row.mode_mass, row.ring_share = mode
+    anew = scalars(M).modes_known == 0.0 or head.payout != 0 or head.parts != 0
+    if anew or jumps:
+        frequency, mass, share = bow_mode(I, M, int(row.node), watched_element(I, row))
+        anew = anew or row.bow != 0.0
+        row.bow = 1.0 if frequency > 0.0 else 0.0
+        if row.bow == 0.0 and anew:
+            frequency, mass, share = axial_mode(I, M, int(row.node))
+        if row.bow != 0.0 or anew:
+            row.mode_frequency, row.mode_mass, row.ring_share = frequency, mass, share
 
 
 @kernel
 def begin_window(I, M, row, t, tension):
     """Begin to measure a ring, at time t and that tension."""
-    find_mode(I, M, row)
+    find_mode(I, M, row, True)
     row.ring_since = t
     row.ring_about = tension
     row.ring_cosine = 0.0
@@ -286,7 +285,7 @@ def begin_rings(I, M, dt):
             continue
         faster, jump, jerk = jumps_at(I, M, row)
         top = watched_element(I, row)
-        find_mode(I, M, row)
+        find_mode(I, M, row, faster + jump + jerk > 0.0)
         frequency = row.mode_frequency
         moved = row.mode_mass
         allowed = allowed_of(I, M, row)
@@ -363,7 +362,7 @@ def begin_heard(I, M, dt, scheme):
         row.ring_missed = 0.0
         if missed == 0.0 or row.ring > 0.0:
             continue
-        find_mode(I, M, row)
+        find_mode(I, M, row, True)
         angle = row.mode_frequency * dt
         if angle == 0.0:
             continue
