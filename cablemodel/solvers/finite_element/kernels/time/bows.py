@@ -23,6 +23,7 @@ from cablemodel.solvers.finite_element.kernels.time.tension import LOSS_FACTOR
 from cablemodel.solvers.finite_element.kernels.time.watched_tension import allowed_at
 from cablemodel.solvers.finite_element.kernels.time.waves import (
     ELEMENT_DISPERSION,
+    runs_through,
     time_of_sound,
     tree_of,
 )
@@ -43,8 +44,11 @@ ONE_WAVE = 2.0 * math.pi  # rad: of waves across along the line, from which on i
 
 @kernel
 def is_one_line(I, M, root, end):
-    """Whether what is tied together is one line without bodies, held at both ends."""
+    """Whether what is tied together is one line without bodies, held at both ends, which does not
+    run from one winch to another."""
     head = header(I)
+    if runs_through(I, M, root, end):
+        return False
     held = 0
     for n in range(head.constraint_count):
         node = int(constraint_of(I, M, n).node)
