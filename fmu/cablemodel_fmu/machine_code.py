@@ -20,11 +20,11 @@ RARE_KERNELS = (
     "buckling", "clamp_layer", "closures", "consistency", "cuts", "embedded_tension", "energies",
     "feet", "firm_friction", "floor_memory", "floor_outputs", "floor_state", "flow", "frames",
     "free_bodies", "given_shape", "growth", "hearing", "hulls", "inertia", "interface", "lengths",
-    "mesh_motion", "part_outputs", "payout", "promote", "raos", "resizing", "rigid", "ring_mesh",
-    "rings", "rotation", "scales", "settling", "shear", "slack", "sleep", "solved_tension",
-    "stabilisation", "statics", "stations", "step_size", "stepping", "stretch", "string_energy",
-    "string_masses", "string_rows", "strings", "summary", "surge", "swinging", "tension",
-    "tension_along", "time/waves", "time_stepping", "top_element", "touchdown_mesh",
+    "limp", "mesh_motion", "part_outputs", "payout", "point_bodies", "promote", "raos", "resizing",
+    "rigid", "ring_mesh", "rings", "rotation", "scales", "settling", "shear", "slack", "sleep",
+    "solved_tension", "stabilisation", "statics", "stations", "step_size", "stepping", "stretch",
+    "string_energy", "string_masses", "string_rows", "strings", "summary", "surge", "swinging",
+    "tension", "tension_along", "time/waves", "time_stepping", "top_element", "touchdown_mesh",
     "vessel_clamp", "watched_tension", "winch",
 )  # fmt: skip
 """Modules of kernels that are little of the work: built for size. With their package where two
