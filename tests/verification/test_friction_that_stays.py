@@ -13,6 +13,10 @@ ROPE = {
 }  # fmt: skip
 
 
+HEAVY_CHAIN = {"diameter": 0.09, "mass": 90.0, "submerged_weight": 770.0, "axial_stiffness": 3.5e8,
+         "drag_normal": 1.2}  # fmt: skip
+
+
 def dragged(tolerance: float, begins: float, stops: float) -> cm.CableModel:
     """A rope along the floor, dragged by its end, which comes to a stop."""
     speeds = [(0.0, 0.0), (20.0, 0.3), (begins, 0.3), (stops, 0.0)]
@@ -124,12 +128,10 @@ def surging_chain(tolerance: float, friction: float = 0.6) -> cm.CableModel:
     lie hold all that pulls, H / (mu w)."""
     times = np.arange(0.0, 40.25, 0.25)
     speeds = 0.2 * np.pi * np.minimum(0.1 * times, 1.0) * np.sin(0.2 * np.pi * times)
-    chain = {"diameter": 0.09, "mass": 90.0, "submerged_weight": 770.0, "axial_stiffness": 3.5e8,
-             "drag_normal": 1.2}  # fmt: skip
     return cm.CableModel(
         {
             "environment": {"floor": {"z": -60.0, "friction": friction}},
-            "cable_types": {"chain": chain},
+            "cable_types": {"chain": HEAVY_CHAIN},
             "line": [{"cable": {"type": "chain", "length": 300.0}}],
             "end": {"anchor": [-270.0, 0.0, -60.0]},
             "vessel": {
@@ -155,3 +157,23 @@ def test_an_anchor_feels_nothing_of_what_the_floor_holds(tolerance: float) -> No
         anchor = float(model.sample([model.line_length]).tension[0])
         assert anchor == pytest.approx(before, abs=10.0 * tolerance * model.tension_max)
     assert largest == pytest.approx(75.5e3, rel=2e-3)
+
+
+@pytest.mark.parametrize(("slope", "tolerance"), [(0.06, 1e-3), (0.03, 1e-3), (0.03, 3e-4)])
+def test_chain_on_a_slope_does_not_press_its_anchor(slope: float, tolerance: float) -> None:
+    """It lies above it, on friction of ten times what it slides by: it pressed with w b l, 2,290 N.
+    Finer tolerances still may: cable of no stiffness is up from the floor there, and friction
+    does not take hold."""
+    model = cm.CableModel(
+        {
+            "environment": {
+                "floor": {"z": -60.0, "slope": [slope, 0.0], "at": [-200.0, 0.0], "friction": 0.6}
+            },
+            "cable_types": {"chain": HEAVY_CHAIN},
+            "line": [{"cable": {"type": "chain", "length": 230.0}}],
+            "end": {"anchor": [-200.0, 0.0, -60.0]},
+            "solver": {"tolerance": tolerance},
+        }
+    )
+    anchor = float(model.sample([model.line_length]).tension[0])
+    assert abs(anchor) < 0.5 * 10.0 * tolerance * model.tension_max

@@ -186,11 +186,12 @@ def draw_alike(I, M, bristle):
 
 @kernel
 def takes_up(I, M, before):
-    """Whether friction takes up more than what slips loses, against tensions before, (nodes, 2)."""
+    """Whether friction takes up more, of pull and of pressure, than what slips loses, against
+    tensions before, (nodes, 2)."""
     most = -math.inf
     least = math.inf
     for node in range(header(I).nodes):
-        up = before[2 * node] - tension_of(I, M, node).mean
+        up = abs(before[2 * node]) - abs(tension_of(I, M, node).mean)
         most = max(most, up)
         least = min(least, up)
     return most > -least
@@ -211,8 +212,7 @@ def go_on_holding(I, M, status, words, before):
     if status != OK:
         return status
     if at.length == 0.0:
-        if in_system:
-            lay_to_anchors(I, M)
+        lay_to_anchors(I, M)
         at.length = at.own
     elif at.is_last != 0.0:
         if in_system:

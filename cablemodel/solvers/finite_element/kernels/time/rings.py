@@ -9,7 +9,7 @@ motion that waves or a vessel force on the line is that, and is none of the ring
 is allowed may be damped away at once: no more than all of it can be missed.
 
 A body that comes out of waves, or goes in, is knocked, too. There steps listen for rings: what one
-misses of a ring its embedded solution tells (`tension.hears`).
+misses of a ring its embedded solution tells (`hearing.py`).
 
 Every end that a vessel holds has a ring of its own, watched in the element next to it: that of a
 bow (`bows.py`), or of what hangs there as on one end. What rings shakes all that hangs there: the
