@@ -43,11 +43,11 @@ SOLVED_Q, SOLVED_V = SolvedRows.places.word, SolvedRows.velocities.word
 SOLVED_A, SOLVED_T = SolvedRows.accelerations.word, SolvedRows.tensions.word
 SOLVED_RATE, CURVED = SolvedRows.rates.word, SolvedRows.curved.word
 STRAINED, SOFTNESS = SolvedRows.strained.word, SoftnessRows.softness.word
-SOLVED_FROM = 0.25  # of that: scatter of what is forgotten from which on tensions are solved for
+SOLVED_FROM = 0.25  # of the error allowed: forgotten scatter from which on tensions are solved for
 LARGEST_CHANGE = 20.0  # of the scatter: what solving may change
 SHORT = 0.1  # of the step: that of the matrix with which the tension is solved for
 DIFFERENCE_STEP = 1e-3  # periods of the line: for the stretch's derivatives
-TENSION_RIGID = 1e-3  # compliance of the line over what inertia gives way by in that step
+TENSION_RIGID = 1e-3  # compliance of the line over what inertia gives way by in the matrix's step
 BEND_OF_CHANGE = 0.25  # of what a tension changes by in a step: what it bends by at least
 
 

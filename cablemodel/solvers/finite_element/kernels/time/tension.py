@@ -47,11 +47,11 @@ from cablemodel.solvers.shared.access import (
 )
 from cablemodel.solvers.shared.compile import inlined, kernel, outlined, view
 
-TENSION_SHARE = 0.045  # of that: what a step may add to an error that lasts, as of positions
+TENSION_SHARE = 0.045  # of the error allowed: what a step may add to one that lasts
 SHARE_OF_LIMITED = 0.03  # the same where the caller makes steps short
 LOSS_FACTOR = 0.01  # of a cable's material: 2 / (it w) is the time in which a ring of w dies away
 TENSION_FINEST = 0.1  # step times the frequency of the axial motion: one that follows for sure
-TENSION_UNSEEN = 0.05  # of that: scatter of the stages below which nothing is looked at
+TENSION_UNSEEN = 0.05  # of the error allowed: scatter of stages below which none is looked at
 TENSION_NEARLY = 0.5  # of the longest step not looked at: its tensions say how long the next is
 TENSION_STAYS = 0.5  # error of a step after which the next one is as long
 # What a step does along the line; in a system, where it is refused: that no other one than its
