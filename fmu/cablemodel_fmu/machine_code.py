@@ -6,7 +6,6 @@ makes the code of several machines at once.
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -15,22 +14,18 @@ from typing import Any
 
 from cablemodel.solvers.library import PREFIX
 
-RARE_KERNELS = (
-    "at_rest", "backup", "begin", "bending_mesh", "body_clamps", "body_passage", "bows",
-    "buckling", "clamp_layer", "closures", "consistency", "cuts", "embedded_tension", "energies",
-    "feet", "firm_friction", "floor_memory", "floor_outputs", "floor_state", "flow", "frames",
-    "free_bodies", "given_shape", "growth", "hearing", "hulls", "inertia", "interface", "lengths",
-    "limp", "mesh_motion", "part_outputs", "payout", "point_bodies", "promote", "raos", "resizing",
-    "rigid", "ring_mesh", "rings", "rotation", "scales", "settling", "shear", "slack", "sleep",
-    "solved_tension", "stabilisation", "statics", "stations", "step_size", "stepping", "stretch",
-    "string_energy", "string_masses", "string_rows", "strings", "summary", "surge", "swinging",
-    "tension", "tension_along", "time/waves", "time_stepping", "top_element", "touchdown_mesh",
-    "vessel_clamp", "watched_tension", "winch",
+HOT_KERNELS = (
+    "bodies/slopes", "element/assembly", "element/cubic", "element/damping",
+    "element/element_pairs", "element/element_planar", "element/element_spatial",
+    "element/strain", "floor/contact", "floor/floor_forces", "floor/floor_surface",
+    "line/block_solver", "line/elimination", "line/newton", "line/products", "line/system",
+    "line/triangular_solver", "time/esdirk", "time/two_step", "water/airy", "water/sea_cells",
+    "water/waves", "water/wetting",
 )  # fmt: skip
-"""Modules of kernels that are little of the work: built for size. With their package where two
-have one name."""
-_MODULE = re.compile(r"7kernels(\d+[a-z]+)")
-"""In a mangled name, what stands before a module's: the packages kernels and, say, mesh."""
+"""Modules of the finite elements' kernels that are most of the work: built for speed. All others
+are built for size."""
+_KERNELS = "14finite_element7kernels"
+"""In a mangled name, what stands before the package and the module of such a kernel."""
 RARE_ENTRIES = (
     "arrange",
     "begin_to_hold",
@@ -78,7 +73,7 @@ RARE_ENTRIES = (
     "worst_of_shape",
     "wrenches_when_moved",
 )
-"""The same for entry points."""
+"""Entry points that are built for size, of both solvers."""
 
 
 @dataclass(frozen=True)
@@ -136,11 +131,8 @@ def _is_rare(name: str) -> bool:
     """Whether a function of a module is built for size; its name is as numba mangles it."""
     if name.startswith(PREFIX):
         return name.removeprefix(PREFIX) in RARE_ENTRIES
-    found = _MODULE.search(name)
-    return found is not None and any(
-        name.startswith(_mangled(kernels), found.start(1) if "/" in kernels else found.end())
-        for kernels in RARE_KERNELS
-    )
+    _, kernels, module = name.partition(_KERNELS)
+    return kernels != "" and not any(module.startswith(_mangled(hot)) for hot in HOT_KERNELS)
 
 
 def _mangled(path: str) -> str:
